@@ -1,0 +1,1 @@
+"""What several nodes of the Bionic Handling Assistant workspace share."""
