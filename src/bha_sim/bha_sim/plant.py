@@ -1,0 +1,280 @@
+"""The simulated robot: pressures in, measured lengths and tip out, one control period at a time.
+
+    plant = Plant(draw_robot(load_parameters(), seed=0), seed=0)
+    state = plant.step(np.full(9, 5e4))
+
+The same parameters, seed and pressures give the same bits: in one process or in several, after
+`reset`, and after `restore_state`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from bha_common import bellows
+
+from bha_sim.errors import PlantDivergedError
+from bha_sim.mujoco_model import build_model
+from bha_sim.parameter_sections import Array
+from bha_sim.pneumatics import Pneumatics, PneumaticState
+from bha_sim.potentiometers import Potentiometers, PotentiometerState
+from bha_sim.robot_parameters import RobotParameters
+from bha_sim.visco_elasticity import ViscoElasticity
+
+_STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+_REST_SPEED = 1e-9  # [m/s] and [rad/s]
+_REST_TIME = 120.0  # [s]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlantState:
+    """What can be seen of the robot after a control period; all arrays are read-only.
+
+    Attributes
+    ----------
+    time : Simulated time since the start [s].
+    lengths : Bellows lengths as the potentiometers measure them [m], shape (9,).
+    pressures : Pressures in the bellows as the sensors measure them [Pa], shape (9,).
+    tip : Position of the tip in `bha_base` [m], shape (3,).
+    tip_quaternion : Orientation of the tip in `bha_base`, x, y, z, w [-], shape (4,).
+    true_lengths : Bellows lengths as they are [m], shape (9,).
+    """
+
+    time: float
+    lengths: Array
+    pressures: Array
+    tip: Array
+    tip_quaternion: Array
+    true_lengths: Array
+
+
+@dataclass(frozen=True, eq=False)
+class PlantSnapshot:
+    """Everything that a plant remembers, for `Plant.restore_state`; opaque, may be pickled."""
+
+    ticks: int
+    mechanics: Array
+    viscoelastic: Array
+    centres: Array
+    pneumatics: PneumaticState
+    potentiometers: PotentiometerState
+    state: PlantState
+    seed: int
+
+
+class Plant:
+    """One simulated robot.
+
+    Parameters
+    ----------
+    parameters : The robot, already drawn.
+    seed : Seeds all noise and drift of the sensors.
+    control_period : Time for which a command holds [s]; a multiple of the integration step.
+
+    Raises
+    ------
+    ValueError
+        When the control period is not a multiple of the integration step.
+    """
+
+    def __init__(
+        self, parameters: RobotParameters, *, seed: int, control_period: float = 0.02
+    ) -> None:
+        steps = round(control_period / parameters.time_step)
+        if steps < 1 or not math.isclose(steps * parameters.time_step, control_period):
+            raise ValueError(
+                f"control_period must be a multiple of the integration step "
+                f"{parameters.time_step} s, got {control_period} s"
+            )
+        self.parameters = parameters
+        self.control_period = control_period
+        self._steps = steps
+        self._visco = ViscoElasticity(
+            parameters.relaxation,
+            parameters.hysteresis,
+            parameters.trunk.discs_per_segment,
+            control_period,
+        )
+        trunk = build_model(parameters, self._visco.stiffness_factors)
+        self._model, self._data = trunk.model, mujoco.MjData(trunk.model)
+        # Views into MuJoCo's own memory: read and written every tick without a look-up.
+        self._extensions = self._data.ten_length[trunk.pieces]
+        self._lengths = self._data.ten_length[trunk.bellows]
+        self._spring_range = self._model.tendon_lengthspring[trunk.pieces]
+        self._tip = self._data.xpos[trunk.tip_body]
+        self._tip_quaternion = self._data.xquat[trunk.tip_body]
+        self._centres = np.zeros(len(self._extensions))
+        self._come_to_rest()
+        self._rest = np.empty(mujoco.mj_stateSize(self._model, _STATE))
+        mujoco.mj_getState(self._model, self._data, self._rest, _STATE)
+
+        self._seed = seed
+        pneumatic_seed, sensor_seed = np.random.SeedSequence(seed).spawn(2)
+        self._pneumatics = Pneumatics(parameters.pneumatics, control_period, pneumatic_seed)
+        self._potentiometers = Potentiometers(
+            parameters.potentiometers, control_period, sensor_seed, self._lengths
+        )
+        self._ticks = 0
+        self._diverged = ""
+        self._state = self._observe()
+
+    @property
+    def state(self) -> PlantState:
+        """The state after the last step, or before the first: vented and at rest."""
+        return self._state
+
+    def step(self, pressures: Array) -> PlantState:
+        """Apply pressures for one control period.
+
+        Parameters
+        ----------
+        pressures : Commanded pressures [Pa], shape (9,); clipped to the valid range.
+
+        Raises
+        ------
+        ValueError
+            When the pressures are not nine finite numbers; nothing has changed then.
+        PlantDivergedError
+            When the motion diverged; the plant must be reset or restored.
+        """
+        command = np.asarray(pressures, dtype=np.float64)
+        if command.shape != (bellows.COUNT,):
+            raise ValueError(f"pressures must have shape (9,), got {command.shape}")
+        if not math.isfinite(np.add.reduce(command)):
+            raise ValueError(f"pressures must be finite, got {command}")
+        if self._diverged:
+            raise PlantDivergedError(f"{self._diverged}; reset or restore the plant to go on")
+        command = np.minimum(np.maximum(command, 0.0), self.parameters.pneumatics.max_pressure)
+        self._data.ctrl[:] = self._pneumatics.step(command)
+        self._visco.update(self._extensions, self._centres)
+        self._integrate(self._steps)
+        self._ticks += 1
+        self._guard()
+        self._state = self._observe()
+        return self._state
+
+    def reset(self, seed: int | None = None) -> PlantState:
+        """Start anew: vented, at rest, without memory.
+
+        Parameters
+        ----------
+        seed : Seeds the noise; None takes the same seed again.
+        """
+        self._seed = self._seed if seed is None else seed
+        self._load_mechanics(self._rest)
+        self._visco.relax(self._extensions, self._centres)
+        pneumatic_seed, sensor_seed = np.random.SeedSequence(self._seed).spawn(2)
+        self._pneumatics.reset(pneumatic_seed)
+        self._potentiometers.reset(sensor_seed, self._lengths)
+        self._ticks = 0
+        self._state = self._observe()
+        return self._state
+
+    def save_state(self) -> PlantSnapshot:
+        """Take a snapshot from which `restore_state` continues exactly, noise included."""
+        mechanics = np.empty_like(self._rest)
+        mujoco.mj_getState(self._model, self._data, mechanics, _STATE)
+        return PlantSnapshot(
+            ticks=self._ticks,
+            mechanics=mechanics,
+            viscoelastic=self._visco.state,
+            centres=self._centres.copy(),
+            pneumatics=self._pneumatics.state,
+            potentiometers=self._potentiometers.state,
+            state=self._state,
+            seed=self._seed,
+        )
+
+    def restore_state(self, snapshot: PlantSnapshot) -> PlantState:
+        """Go back to a snapshot of a plant with the same parameters and control period."""
+        self._load_mechanics(snapshot.mechanics)
+        self._visco.state = snapshot.viscoelastic
+        self._centres[:] = snapshot.centres
+        self._pneumatics.state = snapshot.pneumatics
+        self._potentiometers.state = snapshot.potentiometers
+        self._ticks = snapshot.ticks
+        self._seed = snapshot.seed
+        self._state = snapshot.state
+        return self._state
+
+    def _integrate(self, steps: int) -> None:
+        """Advance the mechanics; positions and velocities are evaluated at the end, and stay so."""
+        self._spring_range[:, 0] = self._centres
+        self._spring_range[:, 1] = self._centres
+        model, data = self._model, self._data
+        # The springs' centres and the pressures are new: passive forces first, the rest follows.
+        mujoco.mj_passive(model, data)
+        mujoco.mj_step2(model, data)
+        if steps > 1:
+            mujoco.mj_step(model, data, nstep=steps - 1)
+        mujoco.mj_step1(model, data)
+
+    def _come_to_rest(self) -> None:
+        """Hang vented until nothing moves, with all creep and hysteresis relaxed."""
+        mujoco.mj_step1(self._model, self._data)
+        for _ in range(math.ceil(_REST_TIME / self.control_period)):
+            self._visco.relax(self._extensions, self._centres)
+            self._integrate(self._steps)
+            self._guard()
+            if np.abs(self._data.qvel).max() < _REST_SPEED:
+                break
+        else:
+            raise PlantDivergedError(
+                f"the vented trunk does not come to rest within {_REST_TIME:g} s"
+            )
+        self._data.qvel[:] = 0.0
+        self._data.time = 0.0
+        mujoco.mj_step1(self._model, self._data)
+        self._visco.relax(self._extensions, self._centres)
+
+    def _load_mechanics(self, mechanics: Array) -> None:
+        mujoco.mj_setState(self._model, self._data, mechanics, _STATE)
+        for warning in self._data.warning:
+            warning.number = 0
+        self._diverged = ""
+        mujoco.mj_step1(self._model, self._data)
+
+    def _guard(self) -> None:
+        """Stop with a reason when MuJoCo warned or a number is not finite."""
+        data = self._data
+        if math.isfinite(np.add.reduce(data.qpos) + np.add.reduce(data.qvel)) and not np.any(
+            data.warning.number
+        ):
+            return
+        bad = np.flatnonzero(~(np.isfinite(data.qpos) & np.isfinite(data.qvel)))
+        names = [self._model.joint(int(index)).name for index in bad[:3]]
+        if len(bad) > len(names):
+            names.append(f"and {len(bad) - len(names)} more")
+        warnings = [
+            mujoco.mjtWarning(index).name
+            for index, warning in enumerate(data.warning)
+            if warning.number
+        ]
+        self._diverged = (
+            f"the plant diverged at {self._ticks * self.control_period:.2f} s: "
+            f"joints not finite: {', '.join(names) or 'none'}; "
+            f"MuJoCo warnings: {', '.join(warnings) or 'none'}"
+        )
+        raise PlantDivergedError(self._diverged)
+
+    def _observe(self) -> PlantState:
+        # One block for all arrays: made read-only once, shared by five views.
+        block = np.empty(34)
+        block[0:9] = self._potentiometers.measure(self._lengths)
+        block[9:18] = self._pneumatics.measure()
+        block[18:27] = self._lengths
+        block[27:30] = self._tip
+        block[30:33] = self._tip_quaternion[1:]
+        block[33] = self._tip_quaternion[0]
+        block.setflags(write=False)
+        return PlantState(
+            time=self._ticks * self.control_period,
+            lengths=block[0:9],
+            pressures=block[9:18],
+            true_lengths=block[18:27],
+            tip=block[27:30],
+            tip_quaternion=block[30:34],
+        )

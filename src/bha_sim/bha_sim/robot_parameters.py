@@ -1,0 +1,213 @@
+"""One robot's physical parameters: read from YAML, checked, and varied from robot to robot."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from bha_sim.errors import RobotParameterError
+from bha_sim.parameter_sections import (
+    Array,
+    Bellows,
+    Hysteresis,
+    PneumaticParameters,
+    PotentiometerParameters,
+    Relaxation,
+    Section,
+    Trunk,
+    Variation,
+)
+
+_SECTIONS: dict[str, type[Any]] = {
+    "trunk": Trunk,
+    "bellows": Bellows,
+    "relaxation": Relaxation,
+    "hysteresis": Hysteresis,
+    "pneumatics": PneumaticParameters,
+    "potentiometers": PotentiometerParameters,
+    "variation": Variation,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class RobotParameters(Section):
+    """Everything physical about one robot.
+
+    Attributes
+    ----------
+    time_step : Integration step [s].
+    trunk, bellows, relaxation, hysteresis, pneumatics, potentiometers, variation : The sections;
+        see `parameter_sections`.
+    """
+
+    time_step: float
+    trunk: Trunk
+    bellows: Bellows
+    relaxation: Relaxation
+    hysteresis: Hysteresis
+    pneumatics: PneumaticParameters
+    potentiometers: PotentiometerParameters
+    variation: Variation
+
+    def __post_init__(self) -> None:
+        self._number("time_step")
+        for name, kind in _SECTIONS.items():
+            if not isinstance(getattr(self, name), kind):
+                self._fail(name, f"a {kind.__name__}")
+        discs = self.trunk.discs_per_segment
+        # Ones for what only a drawn robot has, so that all that follows need not ask.
+        bellows, hysteresis = self.bellows, self.hysteresis
+        if bellows.disc_factors is None:
+            bellows = replace(bellows, disc_factors=np.ones((9, discs)))
+            object.__setattr__(self, "bellows", bellows)
+        if hysteresis.slip_factors is None:
+            ones = np.ones((len(hysteresis.slips), 9 * discs))
+            hysteresis = replace(hysteresis, slip_factors=ones)
+            object.__setattr__(self, "hysteresis", hysteresis)
+        for array, columns, name in (
+            (bellows.disc_factors, discs, "bellows.disc_factors"),
+            (hysteresis.slip_factors, 9 * discs, "hysteresis.slip_factors"),
+        ):
+            if array is not None and array.shape[1] != columns:
+                raise RobotParameterError(
+                    f"{name} must have {columns} columns for {discs} discs a segment, "
+                    f"got shape {array.shape}"
+                )
+
+    @classmethod
+    def from_mapping(cls, data: Any) -> RobotParameters:
+        """Build the parameters from nested mappings, as YAML gives them.
+
+        Raises
+        ------
+        RobotParameterError
+            When a section or field is missing, unknown or invalid; the message names it.
+        """
+        values = _checked_keys(data, cls, "")
+        for name, kind in _SECTIONS.items():
+            values[name] = kind(**_checked_keys(values[name], kind, name))
+        return cls(**values)
+
+
+def load_parameters(path: str | os.PathLike[str] | None = None) -> RobotParameters:
+    """Read a robot's parameters.
+
+    Parameters
+    ----------
+    path : A YAML file like ``config/robot.yaml``; None takes that file itself.
+
+    Raises
+    ------
+    RobotParameterError
+        When the file cannot be read, or a number in it cannot be.
+    """
+    source = _default_file() if path is None else Path(path)
+    try:
+        data = yaml.safe_load(source.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise RobotParameterError(f"{source}: cannot be read ({error.strerror})") from None
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise RobotParameterError(f"{source}: not YAML ({error})") from None
+    try:
+        return RobotParameters.from_mapping(data)
+    except RobotParameterError as error:
+        raise RobotParameterError(f"{source}: {error}") from None
+
+
+def draw_robot(parameters: RobotParameters, seed: int) -> RobotParameters:
+    """Draw one robot of the kind that `parameters` describe.
+
+    Parameters
+    ----------
+    parameters : The kind, with the width of its `variation`.
+    seed : Names the robot: the same seed gives the same robot, on every machine.
+    """
+    # The key keeps this stream apart from that of a noise generator with the same seed.
+    rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(0xB0D1,)))
+    width, discs = parameters.variation, parameters.trunk.discs_per_segment
+
+    def factors(spread: float, *shape: int) -> Array:
+        return rng.uniform(1.0 - spread, 1.0 + spread, shape)
+
+    trunk, bellows = parameters.trunk, parameters.bellows
+    relaxation, hysteresis = parameters.relaxation, parameters.hysteresis
+    pneumatics, potentiometers = parameters.pneumatics, parameters.potentiometers
+    lag = factors(width.lag, 9)
+    pieces = factors(width.disc_stiffness, 9, discs)
+    # In series the pieces keep the stiffness of their bellows.
+    pieces *= np.mean(1.0 / pieces, axis=1, keepdims=True)
+    return replace(
+        parameters,
+        trunk=replace(
+            trunk,
+            segment_masses=trunk.segment_masses * factors(width.mass, 3),
+            tool_mass=trunk.tool_mass * float(factors(width.mass, 1)[0]),
+            torsion_stiffness=trunk.torsion_stiffness * factors(width.torsion, 3),
+        ),
+        bellows=replace(
+            bellows,
+            stiffness=bellows.stiffness * factors(width.stiffness, 9),
+            areas=bellows.areas * factors(width.area, 9),
+            hardening=bellows.hardening * factors(width.hardening, 9),
+            hardening_extension=bellows.hardening_extension * factors(width.hardening, 9),
+            disc_factors=pieces,
+        ),
+        relaxation=replace(
+            relaxation,
+            time_constants=relaxation.time_constants
+            * factors(width.relaxation, len(relaxation.time_constants)),
+            shares=relaxation.shares * factors(width.relaxation, *relaxation.shares.shape),
+        ),
+        hysteresis=replace(
+            hysteresis,
+            shares=hysteresis.shares * factors(width.hysteresis, *hysteresis.shares.shape),
+            slip_factors=factors(width.slip, len(hysteresis.slips), 9 * discs),
+        ),
+        pneumatics=replace(
+            pneumatics,
+            fill_time_constant=pneumatics.fill_time_constant * lag,
+            vent_time_constant=pneumatics.vent_time_constant * lag,
+        ),
+        potentiometers=replace(
+            potentiometers,
+            offsets=potentiometers.offsets
+            + rng.uniform(-width.sensor_offset, width.sensor_offset, 9),
+            gains=potentiometers.gains * factors(width.sensor_gain, 9),
+        ),
+    )
+
+
+def _checked_keys(data: Any, kind: type[Any], section: str) -> dict[str, Any]:
+    """Hold the keys of one mapping against the fields of its dataclass."""
+    prefix = f"{section}." if section else ""
+    if not isinstance(data, Mapping):
+        raise RobotParameterError(f"{section or 'the file'} must map names to values")
+    known = {field.name: field for field in fields(kind)}
+    for name in data:
+        if name not in known:
+            raise RobotParameterError(
+                f"{prefix}{name} is unknown; valid here are {', '.join(sorted(known))}"
+            )
+    for name, field in known.items():
+        if name not in data and field.default is MISSING:
+            raise RobotParameterError(f"{prefix}{name} is missing")
+    return dict(data)
+
+
+def _default_file() -> Path:
+    """Find ``config/robot.yaml``: beside the package in the sources, or in share when installed."""
+    here = Path(__file__).resolve()
+    source = here.parents[1] / "config" / "robot.yaml"
+    if source.is_file():
+        return source
+    for parent in here.parents:
+        installed = parent / "share" / "bha_sim" / "config" / "robot.yaml"
+        if installed.is_file():
+            return installed
+    raise RobotParameterError(f"config/robot.yaml was not found beside or above {here.parent}")
