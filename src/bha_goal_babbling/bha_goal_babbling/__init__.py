@@ -1,0 +1,1 @@
+"""Online goal babbling: an inverse model learned while the robot tries to reach goals."""

@@ -1,0 +1,338 @@
+"""Online goal babbling, asked and told.
+
+    babbler = GoalBabbler(config, goals, home_action, home_outcome, low, high, rng)
+    while True:
+        action = babbler.ask()               # what to execute now
+        measured, outcome = robot(action)    # what was executed, and what came of it
+        babbler.tell(measured, outcome)      # one example learned
+
+Every command is the present inverse model's answer to a target on a path to some goal, with
+exploratory noise on it: q_t = g(x*_t) + E_t(x*_t) (equation 3 of the article). The example
+(q_t, x_t) that comes of it is weighted and learned at once. Now and then a movement goes home
+instead, straight in the space of actions and without noise, which keeps the solutions from
+drifting. Nothing here knows time, files or a robot.
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bha_goal_babbling.arrays import FloatArray, matrix, vector
+from bha_goal_babbling.babbler_config import GoalBabblerConfig
+from bha_goal_babbling.errors import InvalidArrayError, InvalidConfigError, WrongOrderError
+from bha_goal_babbling.exploration_noise import ExplorationNoise
+from bha_goal_babbling.goal_paths import GoalPaths
+from bha_goal_babbling.inverse_model import InverseModel
+from bha_goal_babbling.local_linear_map import LocalLinearMaps
+from bha_goal_babbling.movements import Movements, restored_targets
+from bha_goal_babbling.random_state import generator_settings, restored_generator
+from bha_goal_babbling.sample_weights import SampleWeights
+from bha_goal_babbling.saved_state import SavedState
+from bha_goal_babbling.target_source import TargetSource
+
+_RESTORE_MODEL: dict[str, Callable[[SavedState], InverseModel]] = {
+    LocalLinearMaps.kind: LocalLinearMaps.restore,
+}
+
+
+class GoalBabbler:
+    """Learns by trying: which action brings which outcome.
+
+    Parameters
+    ----------
+    config : GoalBabblerConfig
+        All settings.
+    goals : array_like or TargetSource
+        The goal set, in the unit of outcomes, shape (G, n); or another source of targets.
+    home_action : array_like
+        Action at which learning starts and to which it returns, shape (m,).
+    home_outcome : array_like
+        Outcome of the home action, shape (n,). The robot is at home when learning starts.
+    action_low, action_high : array_like
+        Limits that no action exceeds, shape (m,).
+    rng : numpy.random.Generator
+        Source of all randomness, as `numpy.random.default_rng(seed)` makes it.
+    model : InverseModel, optional
+        The inverse model to train, in scaled units; local linear maps by default.
+
+    Raises
+    ------
+    InvalidArrayError, InvalidConfigError
+        If shapes do not fit together, a number is not finite, or home is outside of the limits.
+    """
+
+    def __init__(
+        self,
+        config: GoalBabblerConfig,
+        goals: ArrayLike | TargetSource,
+        home_action: ArrayLike,
+        home_outcome: ArrayLike,
+        action_low: ArrayLike,
+        action_high: ArrayLike,
+        rng: np.random.Generator,
+        *,
+        model: InverseModel | None = None,
+    ) -> None:
+        self.config = config
+        self._home_action = vector("home_action", home_action)
+        self._home_outcome = vector("home_outcome", home_outcome)
+        m, n = self._home_action.size, self._home_outcome.size
+        self._low = vector("action_low", action_low, m)
+        self._high = vector("action_high", action_high, m)
+        if not ((self._low <= self._home_action) & (self._home_action <= self._high)).all():
+            raise InvalidConfigError(
+                f"home_action must lie within the limits, got {self._home_action.tolist()} "
+                f"for {self._low.tolist()} to {self._high.tolist()}"
+            )
+        targets = goals if isinstance(goals, TargetSource) else GoalPaths(goals, config.path_steps)
+        if targets.size != n:
+            raise InvalidArrayError(f"goals have {targets.size} coordinates, home_outcome has {n}")
+        self._movements = Movements(
+            targets,
+            self._home_action,
+            self._home_outcome,
+            config.home_probability,
+            config.path_steps,
+        )
+        self._model: InverseModel = model or LocalLinearMaps(
+            config.map_distance / config.outcome_scale,
+            config.learning_rate,
+            self._home_outcome / config.outcome_scale,
+            self._home_action / config.action_scale,
+        )
+        self._rng = rng
+        self._noise = ExplorationNoise(config.noise_spread, config.noise_step, m, n, rng)
+        self._noise_origin = np.zeros(n) if config.noise_origin == "zero" else self._home_outcome
+        self._weights = SampleWeights(
+            config.efficiency_limit,
+            config.efficiency == "relative",
+            config.action_resolution / config.action_scale,
+            config.outcome_resolution / config.outcome_scale,
+        )
+        self._pending: FloatArray | None = None
+        self._action = self._home_action  # the last q that was executed
+        self._outcome = self._home_outcome  # and the x that came of it
+        self._samples = 0
+        self._error = math.nan
+        self._error_count = 0
+
+    @property
+    def movements(self) -> int:
+        """Number of finished movements, those towards home counted too."""
+        return self._movements.count
+
+    @property
+    def samples(self) -> int:
+        """Number of actions that were told to have been executed."""
+        return self._samples
+
+    @property
+    def local_maps(self) -> int:
+        """Number of local models."""
+        return self._model.count
+
+    @property
+    def recent_error(self) -> float:
+        """Distance between target and outcome at the ends of movements, recently [outcome unit].
+
+        The running mean of |x_t - x*_t| at the last step of movements, over the last
+        `error_window` or so of them; those towards home and samples told with `learn=False` are
+        left out. The exploratory noise is part of it, so it stays somewhat above the error of
+        `inverse`. NaN before the first such end.
+        """
+        return self._error
+
+    @property
+    def going_home(self) -> bool:
+        """Whether the present movement goes home."""
+        return self._movements.going_home
+
+    @property
+    def model(self) -> InverseModel:
+        """The inverse model, in scaled units."""
+        return self._model
+
+    def ask(self) -> FloatArray:
+        """Return the action to execute now, shape (m,), within the limits.
+
+        The same action comes again until it is told what came of it.
+        """
+        if self._pending is None:
+            self._movements.prepare(self._action, self._outcome, self._rng)
+            going_home = self._movements.going_home
+            wanted = self._movements.home_step if going_home else self._explored_action()
+            self._pending = self._clipped(wanted)
+        return self._pending.copy()
+
+    def tell(self, action: ArrayLike, outcome: ArrayLike, learn: bool = True) -> None:
+        """Learn what came of the action that was asked for, and go on to the next step.
+
+        Parameters
+        ----------
+        action : array_like
+            The action that was really executed, as measured, shape (m,).
+        outcome : array_like
+            What came of it, shape (n,).
+        learn : bool
+            False for a sample that is not to be trusted: it is passed over.
+
+        Raises
+        ------
+        WrongOrderError
+            If nothing was asked since the last call.
+        InvalidArrayError
+            If a shape is wrong or a number is not finite.
+        """
+        if self._pending is None:
+            raise WrongOrderError("tell was called without ask; call ask first")
+        action = vector("action", action, self._home_action.size)
+        outcome = vector("outcome", outcome, self._home_outcome.size)
+        outcome_step = outcome - self._outcome
+        miss = outcome - self._movements.target
+        if learn:
+            self._learn(action, outcome, action - self._action, outcome_step)
+        # Also across movements the last step is carried on, so that no example is lost.
+        self._action, self._outcome = action, outcome
+        self._pending = None
+        self._samples += 1
+        if self._movements.advance(outcome_step) and learn and not self._movements.going_home:
+            self._update_error(math.sqrt(float(miss.dot(miss))))
+
+    def inverse(self, goal: ArrayLike) -> FloatArray:
+        """Return g(x*) without noise, within the limits.
+
+        Parameters
+        ----------
+        goal : array_like
+            One goal, shape (n,), or many, shape (N, n), in the unit of outcomes.
+
+        Returns
+        -------
+        array
+            One action, shape (m,), or many, shape (N, m).
+        """
+        n = self._home_outcome.size
+        if np.ndim(goal) == 2:
+            scaled = matrix("goal", goal, n) / self.config.outcome_scale
+            return self._clipped(self._model.predict_many(scaled) * self.config.action_scale)
+        return self._clipped(self._predicted(vector("goal", goal, n)))
+
+    def relocate(self, action: ArrayLike, outcome: ArrayLike) -> None:
+        """Drop the present movement and start the next from where the robot is now.
+
+        For use after somebody else has moved the robot: to a goal, or while the learner was away.
+
+        Parameters
+        ----------
+        action : array_like
+            The action the robot is at, as measured, shape (m,).
+        outcome : array_like
+            The outcome it has there, shape (n,).
+        """
+        action = vector("action", action, self._home_action.size)
+        outcome = vector("outcome", outcome, self._home_outcome.size)
+        self._action, self._outcome = action, outcome
+        self._pending = None
+        self._movements.abandon(outcome)
+
+    def state(self) -> SavedState:
+        """Return everything that `restore` needs, the state of the generator included."""
+        pending = [] if self._pending is None else [self._pending]
+        arrays = {
+            "home_action": self._home_action,
+            "home_outcome": self._home_outcome,
+            "action_low": self._low,
+            "action_high": self._high,
+            "last_action": self._action,
+            "last_outcome": self._outcome,
+            "pending": np.array(pending),
+            "error": np.array([self._error]),
+        }
+        settings = {
+            "config": self.config.as_mapping(),
+            "model_kind": self._model.kind,
+            "generator": generator_settings(self._rng),
+            "samples": self._samples,
+            "error_count": self._error_count,
+        }
+        return SavedState(arrays, settings).joined(
+            model=self._model.state(),
+            movements=self._movements.state(),
+            noise=self._noise.state(),
+            weights=self._weights.state(),
+        )
+
+    @classmethod
+    def restore(cls, state: SavedState) -> "GoalBabbler":
+        """Return the learner whose snapshot this is; it continues bit for bit.
+
+        Raises
+        ------
+        GoalBabblingError, KeyError
+            If something in the snapshot is missing or does not fit together.
+        """
+        arrays, settings = state.arrays, state.settings
+        kind = settings["model_kind"]
+        if kind not in _RESTORE_MODEL:
+            raise InvalidConfigError(f"unknown model {kind!r}; known: {', '.join(_RESTORE_MODEL)}")
+        babbler = cls(
+            GoalBabblerConfig.from_mapping(settings["config"]),
+            restored_targets(state.part("movements")),
+            arrays["home_action"],
+            arrays["home_outcome"],
+            arrays["action_low"],
+            arrays["action_high"],
+            np.random.default_rng(0),
+            model=_RESTORE_MODEL[kind](state.part("model")),
+        )
+        m, n = babbler._home_action.size, babbler._home_outcome.size
+        babbler._rng = restored_generator(settings["generator"])
+        babbler._movements.load(state.part("movements"))
+        babbler._noise.load(state.part("noise"))
+        babbler._weights.load(state.part("weights"))
+        babbler._action = vector("last_action", arrays["last_action"], m)
+        babbler._outcome = vector("last_outcome", arrays["last_outcome"], n)
+        if len(arrays["pending"]):
+            babbler._pending = vector("pending", arrays["pending"][0], m)
+        babbler._samples = int(settings["samples"])
+        babbler._error = float(arrays["error"][0])
+        babbler._error_count = int(settings["error_count"])
+        return babbler
+
+    def _clipped(self, action: FloatArray) -> FloatArray:
+        return np.minimum(np.maximum(action, self._low), self._high)
+
+    def _predicted(self, target: FloatArray) -> FloatArray:
+        """Return g(x*) in the unit of actions, shape (m,)."""
+        return self._model.predict(target / self.config.outcome_scale) * self.config.action_scale
+
+    def _explored_action(self) -> FloatArray:
+        """Return g(x*) + E(x*), shape (m,), equation 3."""
+        target = self._movements.target
+        self._noise.advance(self._rng)
+        noise = self._noise.at((target - self._noise_origin) / self.config.outcome_scale)
+        return self._predicted(target) + noise
+
+    def _learn(
+        self,
+        action: FloatArray,
+        outcome: FloatArray,
+        action_step: FloatArray,
+        outcome_step: FloatArray,
+    ) -> None:
+        action_scale, outcome_scale = self.config.action_scale, self.config.outcome_scale
+        steps = (action_step / action_scale, outcome_step / outcome_scale)
+        if self._movements.going_home:
+            weight = self._weights.of_home_step(*steps)
+        else:
+            weight = self._weights.of_goal_step(self._movements.target_step, *steps)
+        if weight > 0.0:
+            self._model.learn(outcome / outcome_scale, action / action_scale, weight)
+
+    def _update_error(self, error: float) -> None:
+        if math.isnan(self._error):
+            self._error = error
+        self._error_count = min(self._error_count + 1, self.config.error_window)
+        self._error += (error - self._error) / self._error_count

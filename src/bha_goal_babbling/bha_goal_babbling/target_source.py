@@ -1,0 +1,63 @@
+"""What goal babbling asks of a source of targets x*_t, one movement after the other."""
+
+from typing import Protocol, Self, runtime_checkable
+
+import numpy as np
+
+from bha_goal_babbling.arrays import FloatArray
+from bha_goal_babbling.saved_state import SavedState
+
+
+@runtime_checkable
+class TargetSource(Protocol):
+    """Cuts the intentions of the learner into movements, and movements into steps.
+
+    Targets are in the unit of outcomes, shape (n,).
+    """
+
+    kind: str
+    """The source's name in checkpoints."""
+
+    @property
+    def size(self) -> int:
+        """Number n of coordinates of a target."""
+        ...
+
+    def begin(
+        self, target: FloatArray, outcome: FloatArray, rng: np.random.Generator
+    ) -> FloatArray:
+        """Start a movement and return the point from which its first step is counted.
+
+        Parameters
+        ----------
+        target : array
+            Last target of the movement before, shape (n,).
+        outcome : array
+            Last observed outcome, shape (n,).
+        rng : numpy.random.Generator
+            Source of all choices.
+        """
+        ...
+
+    def target(self) -> FloatArray:
+        """Return the target of the present step."""
+        ...
+
+    def advance(self, outcome_step: FloatArray) -> bool:
+        """Go on to the next step and return whether there is none, the movement being over.
+
+        Parameters
+        ----------
+        outcome_step : array
+            What the present step has brought, x_t - x_{t-1}, shape (n,).
+        """
+        ...
+
+    def state(self) -> SavedState:
+        """Return everything that `restore` needs."""
+        ...
+
+    @classmethod
+    def restore(cls, state: SavedState) -> Self:
+        """Return the source whose snapshot this is."""
+        ...
