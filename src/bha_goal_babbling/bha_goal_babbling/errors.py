@@ -15,3 +15,7 @@ class InvalidArrayError(GoalBabblingError, ValueError):
 
 class WrongOrderError(GoalBabblingError, RuntimeError):
     """`tell` was called although nothing had been asked."""
+
+
+class InvalidTaskError(GoalBabblingError, ValueError):
+    """A task file cannot be read, or an entry of it is missing, unknown or out of range."""

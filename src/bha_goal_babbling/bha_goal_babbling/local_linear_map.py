@@ -181,7 +181,9 @@ class LocalLinearMaps:
         h /= h.sum(axis=1, keepdims=True)
         features = h[:, :, np.newaxis] * np.concatenate([np.ones_like(z[:, :, :1]), z], axis=2)
         parameters = self._parameters[: self._count]
-        return features.reshape(len(outcomes), -1) @ parameters.reshape(-1, parameters.shape[2])
+        flat = parameters.reshape(-1, parameters.shape[2])
+        actions: FloatArray = features.reshape(len(outcomes), -1) @ flat
+        return actions
 
     def _scaled_slope(self, outcome: FloatArray) -> FloatArray:
         """Return d times dg/dx, transposed: shape (n, m)."""
