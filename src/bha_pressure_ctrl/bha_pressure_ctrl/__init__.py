@@ -1,0 +1,1 @@
+"""Learned equilibrium-point controller: bellows lengths to pressures."""
