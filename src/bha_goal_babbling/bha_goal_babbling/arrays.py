@@ -1,13 +1,14 @@
 """Checked conversion of what callers pass into float arrays of a known shape."""
 
-import math
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bha_goal_babbling.errors import InvalidArrayError
 
 FloatArray = NDArray[np.float64]
+
+LARGEST = 1e100
+"""Largest magnitude of an entry that is taken for a number."""
 
 
 def vector(name: str, value: ArrayLike, size: int | None = None) -> FloatArray:
@@ -25,15 +26,17 @@ def vector(name: str, value: ArrayLike, size: int | None = None) -> FloatArray:
     Raises
     ------
     InvalidArrayError
-        If the shape differs or an entry is not finite.
+        If the shape differs or an entry is not finite, or larger than `LARGEST`.
     """
     array = _floats(name, value)
     if array.ndim != 1 or array.size == 0 or (size is not None and array.size != size):
         wanted = "(n,) with n >= 1" if size is None else f"({size},)"
         raise InvalidArrayError(f"{name} has shape {array.shape}, expected {wanted}")
-    # One dot product finds NaN, infinity and numbers whose square is no longer a number.
-    if not math.isfinite(float(array.dot(array))):
-        raise InvalidArrayError(f"{name} must be finite, got {array.tolist()}")
+    # Also false for NaN. Squares of larger numbers would no longer be finite.
+    if not float(np.abs(array).max()) <= LARGEST:
+        raise InvalidArrayError(
+            f"{name} must be finite and at most {LARGEST:g}, got {array.tolist()}"
+        )
     return array
 
 
@@ -52,15 +55,15 @@ def matrix(name: str, value: ArrayLike, columns: int | None = None) -> FloatArra
     Raises
     ------
     InvalidArrayError
-        If the shape differs or an entry is not finite.
+        If the shape differs or an entry is not finite, or larger than `LARGEST`.
     """
     array = _floats(name, value)
     fits = array.ndim == 2 and array.size > 0 and (columns is None or array.shape[1] == columns)
     if not fits:
         wanted = "(N, n)" if columns is None else f"(N, {columns})"
         raise InvalidArrayError(f"{name} has shape {array.shape}, expected {wanted} with N >= 1")
-    if not np.isfinite(array).all():
-        raise InvalidArrayError(f"{name} must be finite in every row")
+    if not float(np.abs(array).max()) <= LARGEST:
+        raise InvalidArrayError(f"{name} must be finite and at most {LARGEST:g} in every row")
     return array
 
 

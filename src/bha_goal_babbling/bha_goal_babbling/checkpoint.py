@@ -3,7 +3,6 @@
 import os
 
 from bha_common.files import ModelFileError, load_versioned, save_versioned
-
 from bha_goal_babbling.errors import GoalBabblingError
 from bha_goal_babbling.goal_babbler import GoalBabbler
 from bha_goal_babbling.saved_state import SavedState

@@ -150,6 +150,16 @@ class GoalBabbler:
         return self._movements.going_home
 
     @property
+    def home_outcome(self) -> FloatArray:
+        """Outcome of the home action, shape (n,) [outcome unit]."""
+        return self._home_outcome.copy()
+
+    @property
+    def target(self) -> FloatArray:
+        """Target x*_t of the action asked for, shape (n,) [outcome unit]; home on the way home."""
+        return self._movements.target.copy()
+
+    @property
     def model(self) -> InverseModel:
         """The inverse model, in scaled units."""
         return self._model

@@ -96,9 +96,21 @@ class GoalRegion:
         polar = np.arccos(low + share[1] * (high - low))
         return _positions(radius, polar, azimuth)
 
-    def lateral_reach(self) -> float:
-        """Return the largest distance from the z axis [m]."""
-        return self.radii[-1] * math.sin(self.polar_max)
+    def why_too_far_aside(self, point: FloatArray, margin: float) -> str | None:
+        """Return why a point seen along z, shape (2,) [m], is outside of the region, or None.
+
+        Parameters
+        ----------
+        point : array
+            Its x and y [m], shape (2,).
+        margin : float
+            How far outside a point may be to count as inside [m].
+        """
+        lateral = math.hypot(*point)
+        reach = self.radii[-1] * math.sin(self.polar_max) + margin
+        if lateral > reach + _TOLERANCE:
+            return f"it is {lateral:.3f} m off the z axis; up to {reach:.3f} m can be reached"
+        return None
 
     def why_outside(self, position: FloatArray, margin: float) -> str | None:
         """Return why a position is outside of the region, or None if it is inside.

@@ -39,9 +39,12 @@ class PlanarArm:
         array
             Tip [m], shape (2,) or (N, 2): the mean of the links' unit vectors times the length.
         """
-        headings = np.cumsum(self._checked(angles), axis=-1)
-        tip = np.stack([np.cos(headings).mean(axis=-1), np.sin(headings).mean(axis=-1)], axis=-1)
-        return np.asarray(self.length * tip)
+        headings = self._checked(angles).cumsum(axis=-1)
+        tip = np.empty((*headings.shape[:-1], 2))
+        np.add.reduce(np.cos(headings), axis=-1, out=tip[..., 0])
+        np.add.reduce(np.sin(headings), axis=-1, out=tip[..., 1])
+        tip *= self.length / self.joints
+        return tip
 
     def jacobian(self, angles: ArrayLike) -> FloatArray:
         """Return the derivative of the tip by the angles [m/rad], shape (2, m).

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 import yaml
-from bha_common import bellows
 from numpy.typing import ArrayLike
 
+from bha_common import bellows
 from bha_goal_babbling.arrays import FloatArray, vector
 from bha_goal_babbling.babbler_config import GoalBabblerConfig
 from bha_goal_babbling.errors import GoalBabblingError, InvalidTaskError
@@ -23,6 +23,7 @@ from bha_goal_babbling.goal_region import GoalRegion
 
 AXES = (("x", "y"), ("x", "y", "z"))
 """The choices of coordinates that a task can have, in frame `bha_base`."""
+_AXES_CHOICES = " or ".join(f"[{', '.join(axes)}]" for axes in AXES)
 
 _ENTRIES = ("name", "axes", "goals", "home_lengths", "length_limits", "babbler")
 _GOAL_ENTRIES = ("radii", "polar_max_degrees", "polar_steps", "azimuth_steps")
@@ -66,8 +67,7 @@ class Task:
             Naming the entry, its value and what would be right.
         """
         if self.axes not in AXES:
-            choices = " or ".join(str(list(axes)) for axes in AXES)
-            raise InvalidTaskError(f"axes must be {choices}, got {list(self.axes)}")
+            raise InvalidTaskError(f"axes must be {_AXES_CHOICES}, got {self.axes!r}")
         for name in ("home_action", "action_low", "action_high"):
             array = vector(name, getattr(self, name), bellows.COUNT)
             array.setflags(write=False)
@@ -132,10 +132,7 @@ class Task:
             return str(error)
         if self.outcome_size == 3:
             return self.region.why_outside(point, margin)
-        lateral, reach = float(np.linalg.norm(point)), self.region.lateral_reach() + margin
-        if lateral > reach:
-            return f"it is {lateral:.3f} m off the z axis; up to {reach:.3f} m can be reached"
-        return None
+        return self.region.why_too_far_aside(point, margin)
 
     @classmethod
     def from_mapping(cls, entries: Mapping[str, Any]) -> "Task":
@@ -162,7 +159,7 @@ class Task:
             )
             return cls(
                 str(entries["name"]),
-                tuple(entries["axes"]),
+                _axes(entries["axes"]),
                 region,
                 _lengths("home_lengths", entries["home_lengths"]),
                 _lengths("length_limits", limits[0]),
@@ -207,6 +204,12 @@ def _check_entries(owner: str, entries: Any, names: tuple[str, ...]) -> None:
         raise InvalidTaskError(
             f"{owner} {' and '.join(complaints)}; its entries are {', '.join(names)}"
         )
+
+
+def _axes(value: Any) -> tuple[str, ...]:
+    if not isinstance(value, list | tuple):
+        raise InvalidTaskError(f"axes must be {_AXES_CHOICES}, got {value!r}")
+    return tuple(value)
 
 
 def _number(name: str, value: Any) -> float:

@@ -1,0 +1,40 @@
+"""Conversion of arrays: copies, shapes, finiteness."""
+
+import numpy as np
+import pytest
+
+from bha_goal_babbling.arrays import matrix, vector
+from bha_goal_babbling.errors import InvalidArrayError
+
+
+def test_returns_copies_as_floats() -> None:
+    """Lists and integers are fine."""
+    given = np.array([1, 2, 3])
+    got = vector("a", given, 3)
+    got[0] = 9.0
+    assert given[0] == 1
+    assert got.dtype == np.float64
+    assert matrix("a", [[1, 2]], 2).shape == (1, 2)
+
+
+@pytest.mark.parametrize(
+    "value", [1.0, [], [[1.0]], [1.0, 2.0], "text", [1.0, [2.0]], None, [None]]
+)
+def test_refuses_what_is_no_vector_of_three(value: object) -> None:
+    """The message names the vector."""
+    with pytest.raises(InvalidArrayError, match="speed"):
+        vector("speed", value, 3)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 1e200])
+def test_refuses_numbers_that_spoil_everything(bad: float) -> None:
+    """NaN, infinity, and numbers whose square is infinite."""
+    with pytest.raises(InvalidArrayError, match="finite"):
+        vector("speed", [0.0, bad])
+
+
+@pytest.mark.parametrize("value", [[1.0], [[1.0, 2.0, 3.0]], np.empty((0, 2)), [[1.0, np.nan]]])
+def test_refuses_what_is_no_matrix_of_two_columns(value: object) -> None:
+    """Rows may be many but not none."""
+    with pytest.raises(InvalidArrayError, match="grid"):
+        matrix("grid", value, 2)  # type: ignore[arg-type]

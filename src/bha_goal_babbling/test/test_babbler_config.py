@@ -1,0 +1,55 @@
+"""Settings: ranges, names, messages."""
+
+import dataclasses
+from typing import Any
+
+import pytest
+
+from bha_goal_babbling.babbler_config import GoalBabblerConfig
+from bha_goal_babbling.errors import InvalidConfigError
+
+
+def test_round_trip() -> None:
+    """A config is what its mapping says."""
+    config = GoalBabblerConfig(map_distance=0.2, efficiency_limit=1.0, noise_origin="home")
+    assert GoalBabblerConfig.from_mapping(config.as_mapping()) == config
+
+
+def test_is_frozen() -> None:
+    """Settings do not change under a learner."""
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        GoalBabblerConfig().learning_rate = 2.0  # type: ignore[misc]
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("map_distance", 0.0),
+        ("learning_rate", -0.1),
+        ("learning_rate", "0.1"),
+        ("noise_spread", float("nan")),
+        ("noise_step", float("inf")),
+        ("noise_step", None),
+        ("home_probability", 1.1),
+        ("path_steps", 0),
+        ("path_steps", 2.5),
+        ("path_steps", True),
+        ("action_scale", 0),
+        ("efficiency_limit", 0.0),
+        ("efficiency", "none"),
+        ("noise_origin", 0),
+        ("action_resolution", -1e-3),
+        ("error_window", 0),
+    ],
+)
+def test_refuses_values_out_of_range(name: str, value: Any) -> None:
+    """The message names the setting and the value."""
+    with pytest.raises(InvalidConfigError, match=name) as caught:
+        GoalBabblerConfig.from_mapping({name: value})
+    assert repr(value) in str(caught.value)
+
+
+def test_unknown_name_lists_the_valid_ones() -> None:
+    """A misspelt name is not passed over."""
+    with pytest.raises(InvalidConfigError, match=r"unknown setting eta; valid are .*learning_rate"):
+        GoalBabblerConfig.from_mapping({"eta": 0.1})
