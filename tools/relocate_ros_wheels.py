@@ -5,11 +5,9 @@ numpy's. CMake refuses a target whose include folder does not exist, so both are
 this interpreter's folders. Run with the Python of the environment that holds the wheels.
 """
 
-import os
 import re
 import sys
 import sysconfig
-import tempfile
 from pathlib import Path
 
 BUILD_PREFIX = r"/opt/python/cp3\d+-cp3\d+"
@@ -28,11 +26,10 @@ def replace(path: Path, text: str) -> None:
 
     The old one may be a hard link into the installer's cache, which must stay as it is.
     """
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name)
-    with os.fdopen(handle, "w", encoding="utf-8") as stream:
-        stream.write(text)
-    os.chmod(temporary, path.stat().st_mode & 0o777)
-    os.replace(temporary, path)
+    temporary = path.with_name(f".{path.name}.relocated")
+    temporary.write_text(text, encoding="utf-8")
+    temporary.chmod(path.stat().st_mode & 0o777)
+    temporary.replace(path)
 
 
 def relocate(prefix: Path, headers: str, site_packages: str) -> int:
