@@ -7,7 +7,7 @@ import pytest
 
 from bha_common.files import ModelFileError, load_versioned, save_versioned
 from bha_goal_babbling.babbler_config import GoalBabblerConfig
-from bha_goal_babbling.checkpoint import KIND, VERSION, load_checkpoint, save_checkpoint
+from bha_goal_babbling.checkpoint import KIND, VERSION, Checkpoint, load_checkpoint, save_checkpoint
 from bha_goal_babbling.direction_sampling import DirectionTargets
 from bha_goal_babbling.goal_babbler import GoalBabbler
 from bha_goal_babbling.planar_arm import PlanarArm
@@ -48,8 +48,8 @@ def test_continues_bit_for_bit(tmp_path: Path, directions: bool, samples: int, a
     run(learner, samples)
     if asked:
         learner.ask()
-    save_checkpoint(tmp_path / "a.npz", learner, robot="arm")
-    twin = load_checkpoint(tmp_path / "a.npz", robot="arm")
+    save_checkpoint(tmp_path / "a.npz", Checkpoint(learner, "arm", 3.5), robot="arm")
+    twin = load_checkpoint(tmp_path / "a.npz", robot="arm").babbler
     np.testing.assert_array_equal(run(twin, 200), run(learner, 200))
     for name in ("movements", "samples", "local_maps"):
         assert getattr(twin, name) == getattr(learner, name)
@@ -63,8 +63,8 @@ def test_relative_weights_continue(tmp_path: Path) -> None:
     """The running mean of the efficiency is part of the state."""
     learner = babbler(efficiency="relative", efficiency_limit=2.0, noise_origin="home")
     run(learner, 50)
-    save_checkpoint(tmp_path / "a.npz", learner, robot="arm")
-    twin = load_checkpoint(tmp_path / "a.npz", robot=None)
+    save_checkpoint(tmp_path / "a.npz", Checkpoint(learner, "arm", 3.5), robot="arm")
+    twin = load_checkpoint(tmp_path / "a.npz", robot=None).babbler
     np.testing.assert_array_equal(run(twin, 300), run(learner, 300))
 
 
@@ -80,7 +80,7 @@ def test_snapshot_does_not_change_with_the_learner() -> None:
 
 def test_refuses_another_robot(tmp_path: Path) -> None:
     """What one robot has learned is not for another."""
-    save_checkpoint(tmp_path / "a.npz", babbler(), robot="arm")
+    save_checkpoint(tmp_path / "a.npz", Checkpoint(babbler()), robot="arm")
     with pytest.raises(ModelFileError, match="arm"):
         load_checkpoint(tmp_path / "a.npz", robot="trunk")
 
@@ -89,7 +89,7 @@ def test_refuses_another_robot(tmp_path: Path) -> None:
 def test_refuses_cut_files(tmp_path: Path, part: float) -> None:
     """A copy that did not finish is not read."""
     path = tmp_path / "a.npz"
-    save_checkpoint(path, babbler(), robot="arm")
+    save_checkpoint(path, Checkpoint(babbler()), robot="arm")
     data = path.read_bytes()
     path.write_bytes(data[: int(part * len(data))])
     with pytest.raises(ModelFileError):
@@ -101,7 +101,7 @@ def test_refuses_altered_files(tmp_path: Path) -> None:
     learner = babbler()
     run(learner, 300)
     path = tmp_path / "a.npz"
-    save_checkpoint(path, learner, robot="arm")
+    save_checkpoint(path, Checkpoint(learner), robot="arm")
     data = bytearray(path.read_bytes())
     data[len(data) // 2] ^= 1
     path.write_bytes(bytes(data))
@@ -119,7 +119,7 @@ def test_refuses_files_that_hold_no_whole_learner(tmp_path: Path) -> None:
     """A well-formed file from which any one part is missing, or is of a wrong shape."""
     learner = babbler()
     run(learner, 30)
-    save_checkpoint(tmp_path / "a.npz", learner, robot="arm")
+    save_checkpoint(tmp_path / "a.npz", Checkpoint(learner, "arm", 3.5), robot="arm")
     whole = load_versioned(tmp_path / "a.npz", kind=KIND, version=VERSION, robot="arm")
 
     def refused(arrays: dict, settings: dict) -> None:

@@ -1,0 +1,290 @@
+"""What a user of the graph calls: the services and actions of its nodes, from Python."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+from action_msgs.msg import GoalStatus
+from bha_common.ros_messages import lengths_from, nanoseconds, point_message, pressures_from, tip_from
+from bha_common.ros_node import CONTROL_QOS, WATCHER_QOS
+from bha_interfaces.action import Babble, Identify, ReachGoal
+from bha_interfaces.msg import LearningStatus, Pressures
+from bha_interfaces.srv import LoadModel, Reset, SaveModel, SetGoal
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import PoseStamped
+from numpy.typing import NDArray
+from rclpy import init, ok, try_shutdown
+from rclpy.action import ActionClient
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from sensor_msgs.msg import JointState
+from std_srvs.srv import SetBool, Trigger
+
+from bha_bringup.graph import NAMESPACE
+
+Array = NDArray[np.float64]
+LEARNER, CONTROLLER = "learner", "pressure_ctrl"
+FEEDBACK, SIMULATOR = "cartesian_feedback", "simulator"
+
+_CALL_TIMEOUT = 10.0
+
+
+class RobotError(RuntimeError):
+    """The robot refused or did not answer; the message says which node and why."""
+
+
+class Recording:
+    """What the robot did over a while.
+
+    Attributes
+    ----------
+    lengths, commands, pressures, tips : Lists of (time [s], array): measured and commanded lengths
+        [m] and pressures [Pa], shape (9,), and the tip [m], shape (3,).
+    """
+
+    def __init__(self) -> None:
+        self.lengths: list[tuple[float, Array]] = []
+        self.commands: list[tuple[float, Array]] = []
+        self.pressures: list[tuple[float, Array]] = []
+        self.tips: list[tuple[float, Array]] = []
+
+
+class RobotClient:
+    """A connection to a running graph; a context manager.
+
+    Parameters
+    ----------
+    watch : Called while waiting, about ten times a second; may raise to end the wait.
+    """
+
+    def __init__(self, watch: Callable[[], None] = lambda: None) -> None:
+        self._watch = watch
+        self._own_context = not ok()
+        if self._own_context:
+            # Ctrl-C must reach Python as an exception: what runs is to be cancelled first.
+            init(signal_handler_options=SignalHandlerOptions.NO)
+        self.node = Node("client", namespace=NAMESPACE)
+        self._executor = SingleThreadedExecutor()
+        self._executor.add_node(self.node)
+        self._clients: dict[str, Any] = {}
+        self.status: LearningStatus | None = None
+        self.diagnostics: dict[str, DiagnosticStatus] = {}
+        self.node.create_subscription(LearningStatus, "learning_status", self._take_status, 1)
+        self.node.create_subscription(DiagnosticArray, "/diagnostics", self._take_diagnostics, 50)
+
+    def __enter__(self) -> RobotClient:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End the connection."""
+        self._executor.shutdown(timeout_sec=0.0)
+        self.node.destroy_node()
+        if self._own_context:
+            try_shutdown()
+
+    def nodes(self) -> set[str]:
+        """Names of the nodes of the graph that are there, without the namespace."""
+        found = self.node.get_node_names_and_namespaces()
+        return {name for name, namespace in found if namespace == NAMESPACE and name != "client"}
+
+    def wait(self, condition: Callable[[], bool], timeout: float) -> bool:
+        """Serve messages until a condition holds, at most `timeout` [s] of wall time."""
+        deadline = time.monotonic() + timeout
+        watch_due = 0.0
+        while not condition():
+            now = time.monotonic()
+            if now >= deadline:
+                return False
+            if now >= watch_due:
+                self._watch()
+                watch_due = now + 0.1
+            self._executor.spin_once(timeout_sec=min(0.05, deadline - now))
+        return True
+
+    def wait_for_graph(self, nodes: set[str], timeout: float = 20.0) -> None:
+        """Wait until every one of the nodes answers.
+
+        Raises
+        ------
+        RobotError
+            Naming the nodes that are missing.
+        """
+        if not self.wait(lambda: nodes <= self.nodes(), timeout):
+            missing = ", ".join(sorted(nodes - self.nodes()))
+            raise RobotError(f"no {missing} within {timeout:g} s: is the graph up (bha up)?")
+        for kind, name in (
+            (Identify, f"{CONTROLLER}/identify"),
+            (Babble, f"{LEARNER}/babble"),
+            (ReachGoal, f"{LEARNER}/reach_goal"),
+            (ReachGoal, f"{FEEDBACK}/reach_goal"),
+        ):
+            if name.split("/")[0] in nodes:
+                self._action(kind, name)
+
+    def identify(
+        self, samples: int = 0, progress: Callable[[Identify.Feedback], None] | None = None
+    ) -> Identify.Result:
+        """Let the controller learn its equilibrium model; 0 samples takes its parameter."""
+        goal = Identify.Goal(samples=samples)
+        return self._run(Identify, f"{CONTROLLER}/identify", goal, progress)
+
+    def babble(
+        self,
+        duration: float,
+        *,
+        restart: bool = False,
+        progress: Callable[[Babble.Feedback], None] | None = None,
+    ) -> Babble.Result:
+        """Let the learner explore for a robot time [s]."""
+        goal = Babble.Goal(duration=float(duration), restart=restart)
+        return self._run(Babble, f"{LEARNER}/babble", goal, progress)
+
+    def reach(
+        self,
+        tip: Array,
+        *,
+        feedback: bool = False,
+        tolerance: float = 0.0,
+        timeout: float = 0.0,
+        progress: Callable[[ReachGoal.Feedback], None] | None = None,
+    ) -> ReachGoal.Result:
+        """Go to a goal (3,) [m] and wait for the end, with or without Cartesian feedback."""
+        goal = ReachGoal.Goal(
+            goal=point_message(0, np.asarray(tip)), tolerance=tolerance, timeout=timeout
+        )
+        name = FEEDBACK if feedback else LEARNER
+        return self._run(ReachGoal, f"{name}/reach_goal", goal, progress)
+
+    def set_goal(self, tip: Array, *, feedback: bool = False) -> str:
+        """Set a goal (3,) [m] and come back at once; what the node says to it."""
+        name = FEEDBACK if feedback else LEARNER
+        request = SetGoal.Request(goal=point_message(0, np.asarray(tip)))
+        response = self.call(SetGoal, f"{name}/set_goal", request)
+        if not response.accepted:
+            raise RobotError(f"{name}: {response.message}")
+        return str(response.message)
+
+    def save(self, node: str, path: str = "") -> str:
+        """Save the model of the learner or the controller; where it was written."""
+        response = self.call(SaveModel, f"{node}/save_model", SaveModel.Request(path=path))
+        return self._success(node, response)
+
+    def load(self, node: str, path: str = "") -> str:
+        """Load a model into the learner or the controller; what was loaded."""
+        response = self.call(LoadModel, f"{node}/load_model", LoadModel.Request(path=path))
+        return self._success(node, response)
+
+    def pause(self, paused: bool) -> str:
+        """Pause the simulator, or let it go on."""
+        response = self.call(SetBool, f"{SIMULATOR}/pause", SetBool.Request(data=paused))
+        return self._success(SIMULATOR, response)
+
+    def reset(self, seed: int | None = None) -> str:
+        """Put a fresh robot in the place of the simulated one."""
+        request = Reset.Request(use_seed=seed is not None, seed=seed or 0)
+        return self._success(SIMULATOR, self.call(Reset, f"{SIMULATOR}/reset", request))
+
+    def emergency_stop(self) -> str:
+        """Stop the robot; it stays in its safe state until `emergency_stop_reset`."""
+        return self._success("robot", self.call(Trigger, "emergency_stop", Trigger.Request()))
+
+    def emergency_stop_reset(self) -> str:
+        """End the emergency stop."""
+        response = self.call(Trigger, "emergency_stop_reset", Trigger.Request())
+        return self._success("robot", response)
+
+    def record(self, into: Recording) -> Callable[[], None]:
+        """Begin to record; call what is returned to end it."""
+
+        def keep(store: list[tuple[float, Array]], read: Callable[[Any], Array]) -> Any:
+            return lambda message: store.append(
+                (nanoseconds(message.header.stamp) * 1e-9, read(message))
+            )
+
+        subscribe = self.node.create_subscription
+        subscriptions = [
+            subscribe(JointState, "lengths", keep(into.lengths, lengths_from), WATCHER_QOS),
+            subscribe(JointState, "length_command", keep(into.commands, lengths_from), CONTROL_QOS),
+            subscribe(Pressures, "pressures", keep(into.pressures, pressures_from), WATCHER_QOS),
+            subscribe(PoseStamped, "tip", keep(into.tips, tip_from), WATCHER_QOS),
+        ]
+        self.wait(lambda: bool(into.lengths and into.tips), timeout=2.0)
+        return lambda: [self.node.destroy_subscription(item) for item in subscriptions] and None
+
+    def call(self, kind: Any, name: str, request: Any) -> Any:
+        """Call any service of the graph.
+
+        Raises
+        ------
+        RobotError
+            When it is not there or does not answer in time.
+        """
+        if name not in self._clients:
+            self._clients[name] = self.node.create_client(kind, name)
+        client = self._clients[name]
+        if not self.wait(client.service_is_ready, _CALL_TIMEOUT):
+            raise RobotError(f"the service {name} is not there: is the graph up (bha up)?")
+        future = client.call_async(request)
+        if not self.wait(future.done, _CALL_TIMEOUT):
+            raise RobotError(f"the service {name} does not answer")
+        return future.result()
+
+    def _action(self, kind: Any, name: str) -> Any:
+        if name not in self._clients:
+            self._clients[name] = ActionClient(self.node, kind, name)
+        client = self._clients[name]
+        if not self.wait(client.server_is_ready, _CALL_TIMEOUT):
+            raise RobotError(f"the action {name} is not there: is the graph up (bha up)?")
+        return client
+
+    def _run(self, kind: Any, name: str, goal: Any, progress: Callable[..., None] | None) -> Any:
+        """Run an action to its end; an exception on the way cancels it."""
+        client = self._action(kind, name)
+
+        def tell(message: Any) -> None:
+            if progress is not None:
+                progress(message.feedback)
+
+        accepted = client.send_goal_async(goal, feedback_callback=tell)
+        if not self.wait(accepted.done, _CALL_TIMEOUT):
+            raise RobotError(f"the action {name} does not answer")
+        handle = accepted.result()
+        if not handle.accepted:
+            why = self.status.mode if self.status is not None else "its log says why"
+            raise RobotError(f"{name} was refused ({why})")
+        ended = handle.get_result_async()
+        try:
+            self.wait(ended.done, timeout=float("inf"))
+        except BaseException:
+            handle.cancel_goal_async()
+            self._executor.spin_once(timeout_sec=0.2)
+            raise
+        outcome = ended.result()
+        if outcome.status == GoalStatus.STATUS_ABORTED:
+            raise RobotError(f"{name}: {outcome.result.message}")
+        return outcome.result
+
+    def _success(self, node: str, response: Any) -> str:
+        if not response.success:
+            raise RobotError(f"{node}: {response.message}")
+        return str(response.message)
+
+    def _take_status(self, message: LearningStatus) -> None:
+        self.status = message
+
+    def _take_diagnostics(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            self.diagnostics[status.name.removeprefix(f"{NAMESPACE}/")] = status

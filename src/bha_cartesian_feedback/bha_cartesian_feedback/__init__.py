@@ -1,0 +1,1 @@
+"""Optional Cartesian feedback: integrates the error of the tip in goal space."""

@@ -1,0 +1,190 @@
+"""Cartesian feedback as a node: the tip and goals in, targets for the learner out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from bha_common.ros_messages import (
+    MessageError,
+    goal_from,
+    nanoseconds,
+    point_message,
+    tip_from,
+)
+from bha_common.ros_node import CONTROL_QOS, LATCHED_QOS, OK, WARN, BhaNode, exit_with, run
+from bha_common.ros_parameters import declare_settings
+from bha_common.settings import check_settings, setting
+from bha_common.stamps import StreamClock
+from bha_interfaces.action import ReachGoal
+from bha_interfaces.msg import LearningStatus
+from bha_interfaces.srv import SetGoal
+from geometry_msgs.msg import Point, PointStamped, PoseStamped
+from numpy.typing import NDArray
+from rclpy.action import ActionServer, CancelResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.task import Future
+from std_msgs.msg import Bool
+
+from bha_cartesian_feedback.goal_integrator import FeedbackSettings, GoalIntegrator
+
+Array = NDArray[np.float64]
+_ACCEPTING = {LearningStatus.IDLE, LearningStatus.REACHING, LearningStatus.HOLDING}
+
+
+@dataclass(frozen=True)
+class NodeSettings:
+    """What belongs to the node rather than to the feedback."""
+
+    axes: int = setting(3, "Leading coordinates of the tip that count: 2 (x, y) or 3", low=2, high=3)
+
+    def __post_init__(self) -> None:
+        check_settings(self)
+
+
+class CartesianFeedback(BhaNode):
+    """Reaches goals more exactly and more slowly than the learner alone."""
+
+    def __init__(self) -> None:
+        super().__init__("cartesian_feedback")
+        self._axes = declare_settings(self, NodeSettings).axes
+        self._settings = declare_settings(self, FeedbackSettings)
+        self._clock = StreamClock(on_restart=self._end)
+        self._tip: Array | None = None
+        self._integrator: GoalIntegrator | None = None
+        self._mode = ""
+        self._reached: Future | None = None
+        self._targets = self.create_publisher(PointStamped, "target", CONTROL_QOS)
+        self.subscribe_stream(PoseStamped, "tip", self._take_tip)
+        self.create_subscription(LearningStatus, "learning_status", self._take_status, 1)
+        self.create_subscription(Bool, "emergency_stop_active", self._take_stop, LATCHED_QOS)
+        self.create_service(SetGoal, "~/set_goal", self._set_goal)
+        self._action = ActionServer(
+            self,
+            ReachGoal,
+            "~/reach_goal",
+            self._reach,
+            cancel_callback=lambda _: CancelResponse.ACCEPT,
+        )
+
+    def _take_tip(self, message: PoseStamped) -> None:
+        tip, stamp = tip_from(message), nanoseconds(message.header.stamp)
+        self._clock.advance(stamp)
+        self._tip = tip
+        integrator = self._integrator
+        if integrator is None:
+            return
+        target = integrator.update(stamp * 1e-9, tip)
+        self._targets.publish(point_message(stamp, target))
+        if self._reached is not None and integrator.done:
+            self._end()
+
+    def _take_status(self, message: LearningStatus) -> None:
+        self._mode = message.mode
+        if message.mode not in _ACCEPTING:
+            self._end()
+
+    def _take_stop(self, message: Bool) -> None:
+        if message.data:
+            self._end()
+
+    def _end(self) -> None:
+        """Stop to move the target; the learner holds the last one."""
+        self._integrator = None
+        if self._reached is not None:
+            self._reached.set_result(None)
+            self._reached = None
+
+    def _begin(
+        self, goal: PointStamped, tolerance: float = 0.0, timeout: float = 0.0
+    ) -> GoalIntegrator:
+        point = goal_from(goal)
+        for name, value in (("tolerance", tolerance), ("timeout", timeout)):
+            if not (np.isfinite(value) and value >= 0.0):
+                raise MessageError(f"{name} must be 0 or above, got {value}")
+        if self._clock.now is None:
+            raise MessageError("no tip was seen yet: is the tracker running?")
+        if not self._mode:
+            raise MessageError("no learning_status was seen yet: is the learner running?")
+        if self._mode not in _ACCEPTING:
+            raise MessageError(f"the learner accepts no targets now: it is {self._mode}")
+        self._end()
+        self._integrator = GoalIntegrator(
+            self._settings,
+            point,
+            axes=self._axes,
+            start=self._clock.now * 1e-9,
+            tolerance=tolerance,
+            timeout=timeout,
+        )
+        return self._integrator
+
+    def _set_goal(self, request: SetGoal.Request, response: SetGoal.Response) -> SetGoal.Response:
+        try:
+            integrator = self._begin(request.goal)
+            response.accepted = True
+            response.message = f"on the way to {np.round(integrator.goal, 4).tolist()} m"
+        except MessageError as error:
+            response.message = str(error)
+        return response
+
+    async def _reach(self, handle: ServerGoalHandle) -> ReachGoal.Result:
+        result, request = ReachGoal.Result(), handle.request
+        try:
+            integrator = self._begin(request.goal, request.tolerance, request.timeout)
+        except MessageError as error:
+            result.message = str(error)
+            handle.abort()
+            return result
+        self._reached = done = Future()
+
+        def tell() -> None:
+            if handle.is_cancel_requested and self._integrator is integrator:
+                self._end()
+            elif self._tip is not None:
+                handle.publish_feedback(
+                    ReachGoal.Feedback(
+                        tip=_point(self._tip), error=integrator.error, elapsed=integrator.elapsed
+                    )
+                )
+
+        timer = self.create_timer(0.2, tell, clock=self.steady_clock)
+        await done
+        self.destroy_timer(timer)
+        assert self._tip is not None
+        result.tip = _point(self._tip)
+        result.error, result.duration = integrator.error, integrator.elapsed
+        result.success = integrator.arrived
+        if handle.is_cancel_requested:
+            result.message = "cancelled; holding"
+            handle.canceled()
+        elif integrator.done:
+            result.message = "arrived" if integrator.arrived else "not there within the time"
+            handle.succeed()
+        else:
+            result.message = "ended by another goal, the learner, or an emergency stop"
+            handle.abort()
+        return result
+
+    def diagnose(self) -> tuple[bytes, str, dict[str, str]]:
+        """Tell what the feedback does."""
+        if self._clock.now is None:
+            return WARN, "no tip yet", {}
+        integrator = self._integrator
+        if integrator is None:
+            return OK, "idle", {}
+        return OK, "following a goal", {"error [m]": f"{integrator.error:.4f}"}
+
+
+def _point(tip: Array) -> Point:
+    x, y, z = tip.tolist()
+    return Point(x=x, y=y, z=z)
+
+
+def main() -> None:
+    """Run the Cartesian feedback."""
+    exit_with(run(CartesianFeedback))
+
+
+if __name__ == "__main__":
+    main()

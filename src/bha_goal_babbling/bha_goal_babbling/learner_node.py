@@ -1,0 +1,365 @@
+"""The learner as a node: lengths and tip in, one length command every command period out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from ament_index_python.packages import get_package_share_directory
+from bha_common.files import ModelFileError
+from bha_common.ros_messages import (
+    MessageError,
+    goal_from,
+    lengths_from,
+    lengths_message,
+    nanoseconds,
+    stamp_message,
+    tip_from,
+)
+from bha_common.ros_node import CONTROL_QOS, LATCHED_QOS, OK, WARN, BhaNode, exit_with, run
+from bha_common.ros_parameters import declare_settings
+from bha_common.settings import check_settings, setting
+from bha_common.stamps import StreamClock, check_command_stamp
+from bha_interfaces.action import Babble, ReachGoal
+from bha_interfaces.msg import LearningStatus
+from bha_interfaces.srv import LoadModel, SaveModel, SetGoal
+from geometry_msgs.msg import Point, PointStamped, PoseStamped
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.task import Future
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool
+
+from bha_goal_babbling.arrays import FloatArray
+from bha_goal_babbling.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from bha_goal_babbling.learner import Learner, RefusedError
+from bha_goal_babbling.learner_settings import LearnerSettings
+from bha_goal_babbling.task import Task, load_task
+
+
+@dataclass(frozen=True)
+class NodeSettings:
+    """What belongs to the node rather than to learning."""
+
+    robot: str = setting("bha", "Name of the robot; models of other robots are refused")
+    task: str = setting("2d", "What is learned: 2d, 3d, or the path of a task file")
+    model_file: str = setting("", "Checkpoint to load at the start and to write to")
+    checkpoint_period: float = setting(
+        60.0, "Exploration time between two checkpoints [s]", low=1.0
+    )
+    tip_timeout: float = setting(
+        0.25, "Robot time to wait for the tip of a command period [s]", low=0.0
+    )
+    max_target_age: float = setting(1.0, "Age at which a target is dropped [s]", low=0.02)
+
+    def __post_init__(self) -> None:
+        check_settings(self)
+
+
+class LearnerNode(BhaNode):
+    """Commands lengths in every mode; babbles and reaches when asked to."""
+
+    def __init__(self) -> None:
+        super().__init__("learner")
+        self._settings = declare_settings(self, NodeSettings)
+        settings = declare_settings(self, LearnerSettings)
+        self._learner = Learner(settings, find_task(self._settings.task))
+        self._load_at_start()
+        self._clock = StreamClock(on_restart=self._robot_restarted)
+        self._period_ns = round(settings.command_period * 1e9)
+        self._due: int | None = None  # time of the command that waits for its tip [ns]
+        self._last_command: int | None = None
+        self._saved_at = self._learner.exploration_time
+        self._babbled: Future | None = None
+        self._reached: Future | None = None
+
+        self._commands = self.create_publisher(JointState, "length_command", CONTROL_QOS)
+        self._status = self.create_publisher(LearningStatus, "learning_status", CONTROL_QOS)
+        self.subscribe_stream(PoseStamped, "tip", self._take_tip)
+        self.subscribe_stream(JointState, "lengths", self._take_lengths)
+        self.subscribe_stream(PointStamped, "target", self._take_target)
+        self.create_subscription(Bool, "emergency_stop_active", self._take_stop, LATCHED_QOS)
+        self.create_service(SetGoal, "~/set_goal", self._set_goal)
+        self.create_service(SaveModel, "~/save_model", self._save)
+        self.create_service(LoadModel, "~/load_model", self._load)
+        accept = {"cancel_callback": lambda _: CancelResponse.ACCEPT}
+        self._babble_action = ActionServer(
+            self, Babble, "~/babble", self._babble, goal_callback=self._accept_babble, **accept
+        )
+        self._reach_action = ActionServer(self, ReachGoal, "~/reach_goal", self._reach, **accept)
+
+    def _take_lengths(self, message: JointState) -> None:
+        lengths, stamp = lengths_from(message), nanoseconds(message.header.stamp)
+        self._clock.advance(stamp)
+        self._learner.see_lengths(stamp, lengths)
+        if self._due is not None:
+            self._command_if_ready(stamp)
+        before = self._last_command
+        due = before is None or stamp // self._period_ns > before // self._period_ns
+        if due and (before is not None or stamp % self._period_ns == 0):
+            self._due = stamp
+            self._command_if_ready(stamp)
+
+    def _take_tip(self, message: PoseStamped) -> None:
+        tip, stamp = tip_from(message), nanoseconds(message.header.stamp)
+        newest = self._learner.newest_tip
+        if newest is not None and stamp <= newest:
+            if self._clock.now is not None and stamp > self._clock.now - self._period_ns:
+                raise MessageError(f"stamp {stamp * 1e-9:.3f} s is not newer than the last one")
+        self._learner.see_tip(stamp, tip)
+        if self._due is not None:
+            self._command_if_ready(self._clock.now or stamp)
+
+    def _command_if_ready(self, now: int) -> None:
+        """Command once the tip of this period is there, or does not come any more."""
+        due, tip = self._due, self._learner.newest_tip
+        assert due is not None
+        lost = tip is None or due - tip > 1_000_000_000
+        waited = now - due >= round(self._settings.tip_timeout * 1e9)
+        if not lost and not waited and tip is not None and tip < due:
+            return
+        self._due, self._last_command = None, due
+        lengths = self._learner.update(due)
+        if lengths is not None:
+            self._commands.publish(lengths_message(due, lengths))
+            self._status.publish(self._status_message(due))
+        self._settle_actions()
+
+    def _settle_actions(self) -> None:
+        learner = self._learner
+        if learner.exploration_time - self._saved_at >= self._settings.checkpoint_period:
+            self._checkpoint()
+        if learner.session is None and self._babbled is not None:
+            self._checkpoint()
+            self._babbled.set_result(None)
+            self._babbled = None
+        if learner.reach is None and self._reached is not None:
+            self._reached.set_result(None)
+            self._reached = None
+
+    def _take_target(self, message: PointStamped) -> None:
+        stamp = nanoseconds(message.header.stamp)
+        check_command_stamp(stamp, self._clock.now, self._settings.max_target_age)
+        try:
+            self._learner.follow(goal_from(message, frame_needed=True))
+        except RefusedError as error:
+            raise MessageError(str(error)) from error
+
+    def _take_stop(self, message: Bool) -> None:
+        self._learner.stop(bool(message.data))
+        self._settle_actions()
+
+    def _robot_restarted(self) -> None:
+        self.get_logger().warning("the robot's time has begun anew: holding where it is")
+        self._learner.robot_restarted()
+        self._due = self._last_command = None
+        self._settle_actions()
+
+    def _set_goal(self, request: SetGoal.Request, response: SetGoal.Response) -> SetGoal.Response:
+        try:
+            reach = self._learner.go_to(goal_from(request.goal))
+            response.accepted = True
+            response.message = f"on the way to {np.round(reach.goal, 4).tolist()} m"
+        except (MessageError, RefusedError) as error:
+            response.message = str(error)
+        return response
+
+    async def _reach(self, handle: ServerGoalHandle) -> ReachGoal.Result:
+        request, result = handle.request, ReachGoal.Result()
+        try:
+            reach = self._learner.go_to(
+                goal_from(request.goal), request.tolerance, request.timeout
+            )
+        except (MessageError, RefusedError) as error:
+            result.message = str(error)
+            handle.abort()
+            return result
+        if self._reached is not None:  # a movement that this one overtakes
+            self._reached.set_result(None)
+        self._reached = done = Future()
+
+        def tell() -> None:
+            if handle.is_cancel_requested and self._learner.reach is reach:
+                self._learner.halt()
+                self._settle_actions()
+            elif reach.tip is not None:
+                handle.publish_feedback(
+                    ReachGoal.Feedback(
+                        tip=_point(reach.tip), error=reach.error, elapsed=reach.elapsed
+                    )
+                )
+
+        await self._with_progress(done, tell)
+        result.tip = _point(reach.tip)
+        result.error, result.duration = reach.error, reach.elapsed
+        outcome = reach.result
+        result.success = outcome is not None and outcome.settled
+        if handle.is_cancel_requested:
+            result.message = "cancelled; holding"
+            handle.canceled()
+        elif outcome is None:
+            result.message = "ended by another goal, a target, or an emergency stop"
+            handle.abort()
+        else:
+            result.message = "at rest" if outcome.settled else "not at rest within the time"
+            handle.succeed()
+        return result
+
+    def _accept_babble(self, goal: Babble.Goal) -> GoalResponse:
+        reason = self._learner.why_not_babble(goal.duration)
+        if reason:
+            self.get_logger().warning(f"babbling refused: {reason}")
+            return GoalResponse.REJECT
+        return GoalResponse.ACCEPT
+
+    async def _babble(self, handle: ServerGoalHandle) -> Babble.Result:
+        result = Babble.Result()
+        try:
+            session = self._learner.babble(
+                handle.request.duration, restart=handle.request.restart
+            )
+        except RefusedError as error:
+            result.message = str(error)
+            handle.abort()
+            return result
+        self._babbled = done = Future()
+        self._saved_at = self._learner.exploration_time
+
+        def tell() -> None:
+            if handle.is_cancel_requested and self._learner.session is session:
+                self._learner.halt()
+                self._settle_actions()
+            else:
+                status = self._status_message(self._clock.now or 0)
+                handle.publish_feedback(Babble.Feedback(status=status, elapsed=session.elapsed))
+
+        await self._with_progress(done, tell)
+        result.status = self._status_message(self._clock.now or 0)
+        if handle.is_cancel_requested:
+            result.message = "cancelled; everything learned so far is kept"
+            handle.canceled()
+        elif session.done:
+            result.success, result.message = True, f"explored for {session.elapsed:.0f} s"
+            handle.succeed()
+        else:
+            result.message = self._learner.failure or "ended by an emergency stop or a new robot"
+            handle.abort()
+        return result
+
+    async def _with_progress(self, done: Future, tell: Callable[[], None]) -> None:
+        timer = self.create_timer(0.2, tell, clock=self.steady_clock)
+        await done
+        self.destroy_timer(timer)
+
+    def _status_message(self, stamp: int) -> LearningStatus:
+        babbler = self._learner.babbler
+        message = LearningStatus(
+            mode=self._learner.mode,
+            task=self._learner.task.name,
+            exploration_time=self._learner.exploration_time,
+            recent_error=float("nan"),
+        )
+        message.header.stamp = stamp_message(stamp)
+        if babbler is not None:
+            message.movements, message.samples = babbler.movements, babbler.samples
+            message.local_models = babbler.local_maps
+            message.recent_error = babbler.recent_error
+        return message
+
+    def _load_at_start(self) -> None:
+        path = self._settings.model_file
+        if path and Path(path).expanduser().exists():
+            self._use_file(path)
+            self.get_logger().info(f"goes on with what {path} has learned")
+
+    def _use_file(self, path: str) -> None:
+        stored = load_checkpoint(
+            path, robot=self._settings.robot, task=self._learner.task.name
+        )
+        self._learner.use(stored.babbler, stored.exploration_time)
+
+    def _checkpoint(self) -> None:
+        """Write what is learned; a full disk must not end the learning."""
+        self._saved_at = self._learner.exploration_time
+        path = self._settings.model_file
+        if not path or self._learner.babbler is None:
+            return
+        try:
+            self._write(path)
+        except OSError as error:
+            self.get_logger().error(f"{path} cannot be written: {error.strerror}")
+
+    def _write(self, path: str) -> None:
+        learner = self._learner
+        assert learner.babbler is not None
+        checkpoint = Checkpoint(learner.babbler, learner.task.name, learner.exploration_time)
+        save_checkpoint(path, checkpoint, robot=self._settings.robot)
+
+    def _save(self, request: SaveModel.Request, response: SaveModel.Response) -> SaveModel.Response:
+        path = request.path or self._settings.model_file
+        if not path:
+            response.message = "give a path, or set the parameter model_file"
+        elif self._learner.babbler is None:
+            response.message = "nothing is learned yet: babble first"
+        else:
+            try:
+                self._write(path)
+                response.success, response.message = True, path
+            except OSError as error:
+                response.message = f"{path} cannot be written: {error.strerror}"
+        return response
+
+    def _load(self, request: LoadModel.Request, response: LoadModel.Response) -> LoadModel.Response:
+        path = request.path or self._settings.model_file
+        try:
+            if not path:
+                raise ModelFileError("give a path, or set the parameter model_file")
+            self._use_file(path)
+            response.success, response.message = True, f"loaded {path}"
+        except (ModelFileError, RefusedError) as error:
+            response.message = f"refused, the model in use stays: {error}"
+        return response
+
+    def diagnose(self) -> tuple[bytes, str, dict[str, str]]:
+        """Tell what the learner does and how far it has come."""
+        learner = self._learner
+        values = {
+            "mode": learner.mode,
+            "task": learner.task.name,
+            "exploration time [s]": f"{learner.exploration_time:.0f}",
+            "movements": str(learner.babbler.movements if learner.babbler else 0),
+        }
+        now, tip = self._clock.now, learner.newest_tip
+        if now is None:
+            return WARN, "no lengths yet", values
+        if tip is None or now - tip > 1_000_000_000:
+            return WARN, "no tip: babbling waits, and errors cannot be told", values
+        if learner.failure:
+            return WARN, learner.failure, values
+        return OK, learner.mode, values
+
+    def close(self) -> None:
+        """Keep what was learned."""
+        self._checkpoint()
+
+
+def find_task(task: str) -> Task:
+    """Load a task of this package by name, such as ``2d``, or from the path of a file."""
+    file = Path(get_package_share_directory("bha_goal_babbling"), "config", f"task_{task}.yaml")
+    return load_task(file if file.exists() else Path(task).expanduser())
+
+
+def _point(tip: FloatArray | None) -> Point:
+    x, y, z = (float("nan"),) * 3 if tip is None else tip.tolist()
+    return Point(x=x, y=y, z=z)
+
+
+def main() -> None:
+    """Run the learner."""
+    exit_with(run(LearnerNode))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,253 @@
+"""The pressure controller as a node: lengths and length commands in, pressures out."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from bha_common.files import ModelFileError
+from bha_common.ros_messages import lengths_from, nanoseconds, pressures_message
+from bha_common.ros_node import CONTROL_QOS, LATCHED_QOS, OK, WARN, BhaNode, exit_with, run
+from bha_common.ros_parameters import declare_settings
+from bha_common.settings import check_settings, setting
+from bha_common.stamps import StreamClock, check_command_stamp
+from bha_interfaces.action import Identify
+from bha_interfaces.msg import Pressures
+from bha_interfaces.srv import LoadModel, SaveModel
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.task import Future
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool
+
+from bha_pressure_ctrl.equilibrium_model import (
+    MIN_SAMPLES,
+    EquilibriumModel,
+    EquilibriumModelError,
+)
+from bha_pressure_ctrl.pressure_control import PressureControl, PressureControlSettings
+
+
+@dataclass(frozen=True)
+class NodeSettings:
+    """What belongs to the node rather than to the control."""
+
+    robot: str = setting("bha", "Name of the robot; models of other robots are refused")
+    model_file: str = setting("", "Equilibrium model to load at the start and to save to")
+    command_period: float = setting(
+        0.5, "Time between two length commands [s]; a multiple of the control period", low=0.02
+    )
+    max_command_age: float = setting(1.0, "Age at which a length command is dropped [s]", low=0.02)
+    lockstep: bool = setting(
+        False, "Wait for the length command of each command period before answering its state"
+    )
+    lockstep_timeout: float = setting(
+        2.0, "Wall time after which a wait for a length command ends [s]", low=0.01
+    )
+
+    def __post_init__(self) -> None:
+        check_settings(self)
+
+
+class PressureCtrl(BhaNode):
+    """Answers every state of the robot with pressures."""
+
+    def __init__(self) -> None:
+        super().__init__("pressure_ctrl")
+        self._settings = declare_settings(self, NodeSettings)
+        self._control = PressureControl(declare_settings(self, PressureControlSettings))
+        self._clock = StreamClock(on_restart=self._robot_restarted)
+        self._period_ns = round(self._settings.command_period * 1e9)
+        self._commanded = 0  # stamp of the newest length command [ns]
+        self._commander_alive = False
+        self._held: tuple[int, JointState] | None = None  # a state that waits for its command
+        self._held_until = 0.0
+        self._identified: Future | None = None
+        self._load_at_start()
+
+        self._pressures = self.create_publisher(Pressures, "pressure_command", CONTROL_QOS)
+        self.subscribe_stream(JointState, "length_command", self._take_command)
+        self.subscribe_stream(JointState, "lengths", self._take_lengths)
+        self.create_subscription(Bool, "emergency_stop_active", self._take_stop, LATCHED_QOS)
+        self.create_service(SaveModel, "~/save_model", self._save)
+        self.create_service(LoadModel, "~/load_model", self._load)
+        self._action = ActionServer(
+            self,
+            Identify,
+            "~/identify",
+            execute_callback=self._identify,
+            goal_callback=self._accept_identify,
+            cancel_callback=lambda _: CancelResponse.ACCEPT,
+        )
+
+    def work(self) -> float:
+        """End a lockstep wait that lasts too long."""
+        if self._held is None:
+            return 1.0
+        left = self._held_until - time.monotonic()
+        if left <= 0.0:
+            self._commander_alive = False
+            self.get_logger().warning("no length_command in time: going on without lockstep")
+            self._answer_held()
+        return max(left, 0.0)
+
+    def _take_lengths(self, message: JointState) -> None:
+        lengths_from(message)
+        stamp = nanoseconds(message.header.stamp)
+        self._clock.advance(stamp)
+        if self._held is not None:
+            self._answer_held()
+        due = self._settings.lockstep and self._commander_alive and stamp % self._period_ns == 0
+        self._held = (stamp, message)
+        if due and self._commanded < stamp:
+            self._held_until = time.monotonic() + self._settings.lockstep_timeout
+        else:
+            self._answer_held()
+
+    def _answer_held(self) -> None:
+        assert self._held is not None
+        (stamp, message), self._held = self._held, None
+        pressures = self._control.update(stamp * 1e-9, lengths_from(message))
+        self._pressures.publish(pressures_message(stamp, pressures))
+        identification = self._control.identification
+        if self._identified is not None and (identification is None or identification.done):
+            self._identified.set_result(None)
+            self._identified = None
+
+    def _take_command(self, message: JointState) -> None:
+        stamp = nanoseconds(message.header.stamp)
+        check_command_stamp(stamp, self._clock.now, self._settings.max_command_age)
+        lengths = lengths_from(message)
+        self._control.command(stamp * 1e-9, lengths)
+        self._commanded, self._commander_alive = stamp, True
+        if self._held is not None and self._held[0] <= stamp:
+            self._answer_held()
+
+    def _take_stop(self, message: Bool) -> None:
+        if message.data or self._control.mode == PressureControl.STOPPED:
+            self._control.stop(bool(message.data))
+
+    def _robot_restarted(self) -> None:
+        self.get_logger().warning("the robot's time has begun anew: waiting for new commands")
+        self._control.forget_command()
+        self._held = None
+        self._commanded, self._commander_alive = 0, False
+
+    def _accept_identify(self, goal: Identify.Goal) -> GoalResponse:
+        problem = self._why_not_identify(int(goal.samples))
+        if problem:
+            self.get_logger().warning(f"identification refused: {problem}")
+            return GoalResponse.REJECT
+        return GoalResponse.ACCEPT
+
+    def _why_not_identify(self, samples: int) -> str:
+        if samples and samples < MIN_SAMPLES:
+            return f"samples must be 0 or at least {MIN_SAMPLES}, got {samples}"
+        if self._control.identification is not None:
+            return "identification is running already"
+        if self._control.mode == PressureControl.STOPPED:
+            return "the emergency stop is active: reset it first"
+        return ""
+
+    async def _identify(self, handle: ServerGoalHandle) -> Identify.Result:
+        result = Identify.Result()
+        try:
+            identification = self._control.identify(int(handle.request.samples) or None)
+        except RuntimeError as error:
+            result.message = str(error)
+            handle.abort()
+            return result
+        self._identified = Future()
+        finished = self._identified
+        timer = self.create_timer(0.2, lambda: self._tell_progress(handle), clock=self.steady_clock)
+        await finished
+        self.destroy_timer(timer)
+        result.samples = identification.collected
+        if handle.is_cancel_requested:
+            result.message = "cancelled; the model in use stays"
+            handle.canceled()
+            return result
+        try:
+            model = self._control.finish_identification()
+        except (EquilibriumModelError, RuntimeError) as error:
+            result.message = f"no model: {error}"
+            handle.abort()
+            return result
+        result.success, result.pressure_error = True, model.pressure_error
+        result.message = f"fitted to {model.samples} samples, {model.pressure_error:.0f} Pa error"
+        handle.succeed()
+        return result
+
+    def _tell_progress(self, handle: ServerGoalHandle) -> None:
+        identification = self._control.identification
+        if handle.is_cancel_requested:
+            self._control.abandon_identification()
+        elif identification is not None:
+            handle.publish_feedback(
+                Identify.Feedback(
+                    collected=identification.collected,
+                    requested=identification.requested,
+                    elapsed=identification.elapsed,
+                )
+            )
+        if self._identified is not None and self._control.identification is None:
+            self._identified.set_result(None)
+            self._identified = None
+
+    def _load_at_start(self) -> None:
+        path = self._settings.model_file
+        if path and Path(path).expanduser().exists():
+            self._control.use(EquilibriumModel.load(path, self._settings.robot))
+            self.get_logger().info(f"equilibrium model loaded from {path}")
+        else:
+            self.get_logger().warning("no equilibrium model yet: venting until ~/identify is called")
+
+    def _save(self, request: SaveModel.Request, response: SaveModel.Response) -> SaveModel.Response:
+        path, model = request.path or self._settings.model_file, self._control.model
+        if not path:
+            response.message = "give a path, or set the parameter model_file"
+        elif model is None:
+            response.message = "there is no model to save: call ~/identify first"
+        else:
+            try:
+                model.save(path, self._settings.robot)
+                response.success, response.message = True, path
+            except OSError as error:
+                response.message = f"{path} cannot be written: {error.strerror}"
+        return response
+
+    def _load(self, request: LoadModel.Request, response: LoadModel.Response) -> LoadModel.Response:
+        path = request.path or self._settings.model_file
+        try:
+            if not path:
+                raise ModelFileError("give a path, or set the parameter model_file")
+            self._control.use(EquilibriumModel.load(path, self._settings.robot))
+            response.success, response.message = True, f"loaded {path}"
+        except (ModelFileError, EquilibriumModelError) as error:
+            response.message = f"refused, the model in use stays: {error}"
+        return response
+
+    def diagnose(self) -> tuple[bytes, str, dict[str, str]]:
+        """Tell what the controller does and with which model."""
+        model, mode = self._control.model, self._control.mode
+        values = {
+            "mode": mode,
+            "model": "none" if model is None else f"{model.samples} samples",
+            "commander": "alive" if self._commander_alive else "silent",
+        }
+        summary = {
+            PressureControl.NO_MODEL: "no equilibrium model: venting; call ~/identify",
+            PressureControl.SILENT: "no valid length_command in time: safe state",
+            PressureControl.STOPPED: "emergency stop: safe state",
+        }.get(mode)
+        return (OK, mode, values) if summary is None else (WARN, summary, values)
+
+
+def main() -> None:
+    """Run the pressure controller."""
+    exit_with(run(PressureCtrl))
+
+
+if __name__ == "__main__":
+    main()
