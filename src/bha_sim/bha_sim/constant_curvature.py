@@ -15,10 +15,10 @@ towards bellows 1. Neither gravity nor twist is in it: the robot differs from it
 from __future__ import annotations
 
 import numpy as np
-from bha_common import bellows
 from numpy.typing import ArrayLike
 
-from bha_sim.parameter_sections import Array
+from bha_common import bellows
+from bha_sim.parameter_checks import Array
 
 
 def segment_pose(lengths: ArrayLike, radius: float) -> tuple[Array, Array]:

@@ -17,9 +17,9 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from bha_common import bellows
 
-from bha_sim.parameter_sections import Array
+from bha_common import bellows
+from bha_sim.parameter_checks import Array
 from bha_sim.robot_parameters import RobotParameters
 
 _ANGLES = np.arange(bellows.CHAMBERS) * 2.0 * np.pi / bellows.CHAMBERS
@@ -43,7 +43,9 @@ class TrunkModel:
     tip_body: int
 
 
-def build_model(parameters: RobotParameters, stiffness_factors: Array) -> TrunkModel:
+def build_model(
+    parameters: RobotParameters, stiffness_factors: Array, time_step: float
+) -> TrunkModel:
     """Compile the trunk.
 
     Parameters
@@ -51,12 +53,13 @@ def build_model(parameters: RobotParameters, stiffness_factors: Array) -> TrunkM
     parameters : The robot.
     stiffness_factors : Stiffness of each piece with all its creep and hysteresis springs over that
         of its lasting spring [-], shape (9 * discs,).
+    time_step : Integration step [s].
     """
     trunk = parameters.trunk
     spec = mujoco.MjSpec()
     spec.modelname = "bionic_handling_assistant"
     spec.compiler.degree = False
-    _set_options(spec, parameters)
+    _set_options(spec, trunk.gravity, time_step)
     _add_chain(spec, parameters)
     for index, name in enumerate(bellows.NAMES):
         _add_pieces(spec, parameters, index, name, stiffness_factors)
@@ -72,13 +75,13 @@ def build_model(parameters: RobotParameters, stiffness_factors: Array) -> TrunkM
     )
 
 
-def _set_options(spec: mujoco.MjSpec, parameters: RobotParameters) -> None:
+def _set_options(spec: mujoco.MjSpec, gravity: float, time_step: float) -> None:
     """Write every option that matters; nothing is left to defaults that versions change."""
     disable = mujoco.mjtDisableBit
     option = spec.option
-    option.timestep = parameters.time_step
+    option.timestep = time_step
     option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    option.gravity = [0.0, 0.0, parameters.trunk.gravity]
+    option.gravity = [0.0, 0.0, gravity]
     option.density = option.viscosity = 0.0
     option.wind = [0.0, 0.0, 0.0]
     # Without auto-reset a diverged motion stays visible instead of jumping back to time zero. The

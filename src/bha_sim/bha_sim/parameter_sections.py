@@ -11,62 +11,12 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
+
 from bha_common import bellows
-from numpy.typing import NDArray
+from bha_sim.parameter_checks import Array, Section
 
-from bha_sim.errors import RobotParameterError
-
-Array = NDArray[np.float64]
 _SEGMENTS = bellows.SEGMENTS
 _COUNT = bellows.COUNT
-
-
-class Section:
-    """Checks on fields, for the sections below; each names itself in its messages."""
-
-    _name = ""
-
-    def _fail(self, field: str, expected: str) -> None:
-        where = f"{self._name}.{field}" if self._name else field
-        raise RobotParameterError(f"{where} must be {expected}, got {getattr(self, field)!r}")
-
-    def _number(self, field: str, *, low: float = 0.0, above: bool = True) -> None:
-        """Make a field a float that is above `low`, or at least `low`."""
-        value: Any = getattr(self, field)
-        if isinstance(value, bool) or not isinstance(value, int | float | np.number):
-            self._fail(field, "a number")
-        number = float(value)
-        if not math.isfinite(number) or number < low or (above and number == low):
-            self._fail(field, f"{'above' if above else 'at least'} {low:g}")
-        object.__setattr__(self, field, number)
-
-    def _array(
-        self, field: str, shape: tuple[int, ...], *, low: float = 0.0, above: bool = True
-    ) -> None:
-        """Make a field a read-only array of `shape` with all entries above, or at least, `low`."""
-        try:
-            array = np.array(getattr(self, field), dtype=np.float64)
-        except (TypeError, ValueError):
-            self._fail(field, f"numbers of shape {shape}")
-        if shape[-1] == _COUNT and array.shape[-1:] == (_SEGMENTS,):
-            array = np.repeat(array, _COUNT // _SEGMENTS, axis=-1)
-        elif len(shape) == 2 and array.ndim == 1 and array.shape == shape[:1]:
-            array = array[:, None]
-        try:
-            array = np.broadcast_to(array, shape).copy()
-        except ValueError:
-            self._fail(field, f"one number or numbers of shape {shape}")
-        if not np.isfinite(array).all() or (array < low).any() or (above and (array == low).any()):
-            self._fail(field, f"{'above' if above else 'at least'} {low:g} everywhere")
-        array.setflags(write=False)
-        object.__setattr__(self, field, array)
-
-    def _rows(self, field: str) -> int:
-        """Count the branches or elements that a list describes."""
-        value: Any = getattr(self, field)
-        if not isinstance(value, list | tuple | np.ndarray):
-            self._fail(field, "a list with one entry a branch or element")
-        return len(value)
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,59 +10,23 @@ The same parameters, seed and pressures give the same bits: in one process or in
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from bha_common import bellows
 
+from bha_common import bellows
 from bha_sim.errors import PlantDivergedError
 from bha_sim.mujoco_model import build_model
-from bha_sim.parameter_sections import Array
-from bha_sim.pneumatics import Pneumatics, PneumaticState
-from bha_sim.potentiometers import Potentiometers, PotentiometerState
+from bha_sim.parameter_checks import Array
+from bha_sim.plant_state import PlantSnapshot, PlantState
+from bha_sim.pneumatics import Pneumatics
+from bha_sim.potentiometers import Potentiometers
 from bha_sim.robot_parameters import RobotParameters
 from bha_sim.visco_elasticity import ViscoElasticity
 
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 _REST_SPEED = 1e-9  # [m/s] and [rad/s]
 _REST_TIME = 120.0  # [s]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PlantState:
-    """What can be seen of the robot after a control period; all arrays are read-only.
-
-    Attributes
-    ----------
-    time : Simulated time since the start [s].
-    lengths : Bellows lengths as the potentiometers measure them [m], shape (9,).
-    pressures : Pressures in the bellows as the sensors measure them [Pa], shape (9,).
-    tip : Position of the tip in `bha_base` [m], shape (3,).
-    tip_quaternion : Orientation of the tip in `bha_base`, x, y, z, w [-], shape (4,).
-    true_lengths : Bellows lengths as they are [m], shape (9,).
-    """
-
-    time: float
-    lengths: Array
-    pressures: Array
-    tip: Array
-    tip_quaternion: Array
-    true_lengths: Array
-
-
-@dataclass(frozen=True, eq=False)
-class PlantSnapshot:
-    """Everything that a plant remembers, for `Plant.restore_state`; opaque, may be pickled."""
-
-    ticks: int
-    mechanics: Array
-    viscoelastic: Array
-    centres: Array
-    pneumatics: PneumaticState
-    potentiometers: PotentiometerState
-    state: PlantState
-    seed: int
 
 
 class Plant:
@@ -72,41 +36,43 @@ class Plant:
     ----------
     parameters : The robot, already drawn.
     seed : Seeds all noise and drift of the sensors.
-    control_period : Time for which a command holds [s]; a multiple of the integration step.
+    control_period : Time for which a command holds [s]; it is integrated in equal steps that are
+        no longer than the robot's `max_time_step`.
 
     Raises
     ------
     ValueError
-        When the control period is not a multiple of the integration step.
+        When the control period is not positive.
     """
 
     def __init__(
         self, parameters: RobotParameters, *, seed: int, control_period: float = 0.02
     ) -> None:
-        steps = round(control_period / parameters.time_step)
-        if steps < 1 or not math.isclose(steps * parameters.time_step, control_period):
-            raise ValueError(
-                f"control_period must be a multiple of the integration step "
-                f"{parameters.time_step} s, got {control_period} s"
-            )
+        if not (math.isfinite(control_period) and control_period > 0.0):
+            raise ValueError(f"control_period must be above 0 s, got {control_period}")
+        # A little slack, so that rounding does not cost a step.
+        steps = max(1, math.ceil(control_period / parameters.max_time_step - 1e-9))
         self.parameters = parameters
         self.control_period = control_period
         self._steps = steps
+        self._max_pressure = parameters.pneumatics.max_pressure
         self._visco = ViscoElasticity(
             parameters.relaxation,
             parameters.hysteresis,
             parameters.trunk.discs_per_segment,
             control_period,
         )
-        trunk = build_model(parameters, self._visco.stiffness_factors)
+        trunk = build_model(parameters, self._visco.stiffness_factors, control_period / steps)
         self._model, self._data = trunk.model, mujoco.MjData(trunk.model)
         # Views into MuJoCo's own memory: read and written every tick without a look-up.
         self._extensions = self._data.ten_length[trunk.pieces]
         self._lengths = self._data.ten_length[trunk.bellows]
         self._spring_range = self._model.tendon_lengthspring[trunk.pieces]
+        self._applied = self._data.ctrl
         self._tip = self._data.xpos[trunk.tip_body]
         self._tip_quaternion = self._data.xquat[trunk.tip_body]
         self._centres = np.zeros(len(self._extensions))
+        self._centre_column = self._centres[:, None]
         self._come_to_rest()
         self._rest = np.empty(mujoco.mj_stateSize(self._model, _STATE))
         mujoco.mj_getState(self._model, self._data, self._rest, _STATE)
@@ -147,8 +113,8 @@ class Plant:
             raise ValueError(f"pressures must be finite, got {command}")
         if self._diverged:
             raise PlantDivergedError(f"{self._diverged}; reset or restore the plant to go on")
-        command = np.minimum(np.maximum(command, 0.0), self.parameters.pneumatics.max_pressure)
-        self._data.ctrl[:] = self._pneumatics.step(command)
+        command = np.minimum(np.maximum(command, 0.0), self._max_pressure)
+        self._applied[:] = self._pneumatics.step(command)
         self._visco.update(self._extensions, self._centres)
         self._integrate(self._steps)
         self._ticks += 1
@@ -202,8 +168,7 @@ class Plant:
 
     def _integrate(self, steps: int) -> None:
         """Advance the mechanics; positions and velocities are evaluated at the end, and stay so."""
-        self._spring_range[:, 0] = self._centres
-        self._spring_range[:, 1] = self._centres
+        self._spring_range[:] = self._centre_column
         model, data = self._model, self._data
         # The springs' centres and the pressures are new: passive forces first, the rest follows.
         mujoco.mj_passive(model, data)
@@ -238,11 +203,9 @@ class Plant:
         mujoco.mj_step1(self._model, self._data)
 
     def _guard(self) -> None:
-        """Stop with a reason when MuJoCo warned or a number is not finite."""
+        """Stop with a reason when MuJoCo warned; it checks all positions and velocities itself."""
         data = self._data
-        if math.isfinite(np.add.reduce(data.qpos) + np.add.reduce(data.qvel)) and not np.any(
-            data.warning.number
-        ):
+        if not np.count_nonzero(data.warning.number):
             return
         bad = np.flatnonzero(~(np.isfinite(data.qpos) & np.isfinite(data.qvel)))
         names = [self._model.joint(int(index)).name for index in bad[:3]]
@@ -263,8 +226,8 @@ class Plant:
     def _observe(self) -> PlantState:
         # One block for all arrays: made read-only once, shared by five views.
         block = np.empty(34)
-        block[0:9] = self._potentiometers.measure(self._lengths)
-        block[9:18] = self._pneumatics.measure()
+        self._potentiometers.measure(self._lengths, block[0:9])
+        self._pneumatics.measure(block[9:18])
         block[18:27] = self._lengths
         block[27:30] = self._tip
         block[30:33] = self._tip_quaternion[1:]

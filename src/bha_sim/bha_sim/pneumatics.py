@@ -12,9 +12,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from bha_common import bellows
 
-from bha_sim.parameter_sections import Array, PneumaticParameters
+from bha_common import bellows
+from bha_sim.compiled import compiled
+from bha_sim.parameter_checks import Array
+from bha_sim.parameter_sections import PneumaticParameters
 
 
 @dataclass(frozen=True)
@@ -22,6 +24,7 @@ class PneumaticState:
     """Everything that `Pneumatics` remembers; opaque to others."""
 
     waiting: Array
+    oldest: int
     setpoints: Array
     pressures: Array
     generator: Mapping[str, Any]
@@ -40,19 +43,22 @@ class Pneumatics:
     def __init__(
         self, parameters: PneumaticParameters, period: float, seed: np.random.SeedSequence
     ) -> None:
-        self._parameters = parameters
-        self._dead_periods = round(parameters.dead_time / period)
         self._fill = -np.expm1(-period / parameters.fill_time_constant)
         self._vent = -np.expm1(-period / parameters.vent_time_constant)
         self._half_play = 0.5 * parameters.regulator_play
+        self._noise = parameters.sensor_noise
+        self._resolution = parameters.sensor_resolution
+        self._waiting = np.zeros((round(parameters.dead_time / period), bellows.COUNT))
+        self._setpoints = np.zeros(bellows.COUNT)
         self.pressures: Array = np.zeros(bellows.COUNT)
         """Pressures in the bellows [Pa], shape (9,); changed in place by `step`."""
         self.reset(seed)
 
     def reset(self, seed: np.random.SeedSequence) -> None:
         """Vent everything at once and seed the noise anew."""
-        self._waiting = np.zeros((self._dead_periods, bellows.COUNT))
-        self._setpoints = np.zeros(bellows.COUNT)
+        self._waiting[:] = 0.0
+        self._oldest = 0
+        self._setpoints[:] = 0.0
         self.pressures[:] = 0.0
         self._rng = np.random.default_rng(seed)
 
@@ -67,32 +73,34 @@ class Pneumatics:
         -------
         Pressures in the bellows at the end of the period [Pa], shape (9,): `pressures` itself.
         """
-        if self._dead_periods:
-            arrived = self._waiting[0].copy()
-            self._waiting[:-1] = self._waiting[1:]
-            self._waiting[-1] = command
-        else:
-            arrived = command
-        low, high = arrived - self._half_play, arrived + self._half_play
-        setpoints = np.minimum(np.maximum(self._setpoints, low), high)
-        # A regulator does not stay short of an end of its range: at zero it vents fully.
-        setpoints[arrived <= 0.0] = 0.0
-        self._setpoints = setpoints
-        gap = setpoints - self.pressures
-        self.pressures += np.where(gap > 0.0, self._fill, self._vent) * gap
+        self._oldest = _advance(
+            command,
+            self._waiting,
+            self._oldest,
+            self._half_play,
+            self._fill,
+            self._vent,
+            self._setpoints,
+            self.pressures,
+        )
         return self.pressures
 
-    def measure(self) -> Array:
-        """Read the pressure sensors [Pa], shape (9,)."""
-        noise, step = self._parameters.sensor_noise, self._parameters.sensor_resolution
-        reading = self.pressures + noise * self._rng.standard_normal(bellows.COUNT)
-        return np.rint(reading / step) * step if step else reading
+    def measure(self, out: Array) -> None:
+        """Read the pressure sensors.
+
+        Parameters
+        ----------
+        out : Filled with the readings [Pa], shape (9,).
+        """
+        self._rng.standard_normal(out=out)
+        _read(self.pressures, self._noise, self._resolution, out)
 
     @property
     def state(self) -> PneumaticState:
         """Copy of everything needed to go on from here."""
         return PneumaticState(
             self._waiting.copy(),
+            self._oldest,
             self._setpoints.copy(),
             self.pressures.copy(),
             self._rng.bit_generator.state,
@@ -100,7 +108,45 @@ class Pneumatics:
 
     @state.setter
     def state(self, value: PneumaticState) -> None:
-        self._waiting = value.waiting.copy()
-        self._setpoints = value.setpoints.copy()
+        self._waiting[:] = value.waiting
+        self._oldest = value.oldest
+        self._setpoints[:] = value.setpoints
         self.pressures[:] = value.pressures
         self._rng.bit_generator.state = value.generator
+
+
+@compiled
+def _advance(
+    command: Array,
+    waiting: Array,
+    oldest: int,
+    half_play: float,
+    fill: Array,
+    vent: Array,
+    setpoints: Array,
+    pressures: Array,
+) -> int:
+    """Advance queue, regulators and bellows by one period; the new oldest row of the queue."""
+    for index in range(len(command)):
+        arrived = command[index]
+        if len(waiting) > 0:
+            arrived = waiting[oldest, index]
+            waiting[oldest, index] = command[index]
+        setpoint = min(max(setpoints[index], arrived - half_play), arrived + half_play)
+        if arrived <= 0.0:
+            # A regulator does not stay short of the end of its range: at zero it vents fully.
+            setpoint = 0.0
+        setpoints[index] = setpoint
+        gap = setpoint - pressures[index]
+        pressures[index] += gap * (fill[index] if gap > 0.0 else vent[index])
+    return (oldest + 1) % len(waiting) if len(waiting) > 0 else 0
+
+
+@compiled
+def _read(pressures: Array, noise: float, resolution: float, out: Array) -> None:
+    """Turn standard normal numbers in `out` into readings."""
+    for index in range(len(pressures)):
+        reading = pressures[index] + noise * out[index]
+        if resolution > 0.0:
+            reading = np.rint(reading / resolution) * resolution
+        out[index] = reading

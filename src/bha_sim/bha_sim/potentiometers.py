@@ -13,9 +13,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from bha_common import bellows
 
-from bha_sim.parameter_sections import Array, PotentiometerParameters
+from bha_common import bellows
+from bha_sim.compiled import compiled
+from bha_sim.parameter_checks import Array
+from bha_sim.parameter_sections import PotentiometerParameters
 
 
 @dataclass(frozen=True)
@@ -45,38 +47,46 @@ class Potentiometers:
         seed: np.random.SeedSequence,
         lengths: Array,
     ) -> None:
-        self._parameters = parameters
+        self._gains, self._offsets = parameters.gains, parameters.offsets
+        self._noise, self._resolution = parameters.noise, parameters.resolution
+        self._drift_spread = parameters.drift_spread
         self._half_play = 0.5 * parameters.play
         self._keep = math.exp(-period / parameters.drift_time)
         self._kick = parameters.drift_spread * math.sqrt(1.0 - self._keep**2)
+        self._cables = np.empty(bellows.COUNT)
+        self._drift = np.empty(bellows.COUNT)
+        self._normals = np.empty((2, bellows.COUNT))
         self.reset(seed, lengths)
 
     def reset(self, seed: np.random.SeedSequence, lengths: Array) -> None:
         """Start anew at `lengths` [m], shape (9,), with noise and drift from `seed`."""
         self._rng = np.random.default_rng(seed)
-        self._cables = lengths.copy()
-        self._drift = self._parameters.drift_spread * self._rng.standard_normal(bellows.COUNT)
+        self._cables[:] = lengths
+        self._drift[:] = self._drift_spread * self._rng.standard_normal(bellows.COUNT)
 
-    def measure(self, lengths: Array) -> Array:
+    def measure(self, lengths: Array, out: Array) -> None:
         """Let one period pass and read.
 
         Parameters
         ----------
         lengths : True lengths [m], shape (9,).
-
-        Returns
-        -------
-        Measured lengths [m], shape (9,).
+        out : Filled with the measured lengths [m], shape (9,).
         """
-        parameters = self._parameters
-        cables = np.maximum(self._cables, lengths - self._half_play)
-        self._cables = np.minimum(cables, lengths + self._half_play)
-        white, kicks = self._rng.standard_normal((2, bellows.COUNT))
-        self._drift = self._keep * self._drift + self._kick * kicks
-        reading = parameters.gains * self._cables + parameters.offsets + self._drift
-        reading += parameters.noise * white
-        step = parameters.resolution
-        return np.rint(reading / step) * step if step else reading
+        self._rng.standard_normal(out=self._normals)
+        _read(
+            lengths,
+            self._normals,
+            self._half_play,
+            self._keep,
+            self._kick,
+            self._noise,
+            self._resolution,
+            self._gains,
+            self._offsets,
+            self._cables,
+            self._drift,
+            out,
+        )
 
     @property
     def state(self) -> PotentiometerState:
@@ -87,6 +97,33 @@ class Potentiometers:
 
     @state.setter
     def state(self, value: PotentiometerState) -> None:
-        self._cables = value.cables.copy()
-        self._drift = value.drift.copy()
+        self._cables[:] = value.cables
+        self._drift[:] = value.drift
         self._rng.bit_generator.state = value.generator
+
+
+@compiled
+def _read(
+    lengths: Array,
+    normals: Array,
+    half_play: float,
+    keep: float,
+    kick: float,
+    noise: float,
+    resolution: float,
+    gains: Array,
+    offsets: Array,
+    cables: Array,
+    drift: Array,
+    out: Array,
+) -> None:
+    """Advance cables and drift by one period, and fill `out` with the readings."""
+    for index in range(len(lengths)):
+        length = lengths[index]
+        cables[index] = min(max(cables[index], length - half_play), length + half_play)
+        drift[index] = keep * drift[index] + kick * normals[0, index]
+        reading = gains[index] * cables[index] + offsets[index] + drift[index]
+        reading += noise * normals[1, index]
+        if resolution > 0.0:
+            reading = np.rint(reading / resolution) * resolution
+        out[index] = reading

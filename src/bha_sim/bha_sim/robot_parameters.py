@@ -12,14 +12,13 @@ import numpy as np
 import yaml
 
 from bha_sim.errors import RobotParameterError
+from bha_sim.parameter_checks import Array, Section
 from bha_sim.parameter_sections import (
-    Array,
     Bellows,
     Hysteresis,
     PneumaticParameters,
     PotentiometerParameters,
     Relaxation,
-    Section,
     Trunk,
     Variation,
 )
@@ -41,12 +40,12 @@ class RobotParameters(Section):
 
     Attributes
     ----------
-    time_step : Integration step [s].
+    max_time_step : Longest integration step [s].
     trunk, bellows, relaxation, hysteresis, pneumatics, potentiometers, variation : The sections;
         see `parameter_sections`.
     """
 
-    time_step: float
+    max_time_step: float
     trunk: Trunk
     bellows: Bellows
     relaxation: Relaxation
@@ -56,7 +55,7 @@ class RobotParameters(Section):
     variation: Variation
 
     def __post_init__(self) -> None:
-        self._number("time_step")
+        self._number("max_time_step")
         for name, kind in _SECTIONS.items():
             if not isinstance(getattr(self, name), kind):
                 self._fail(name, f"a {kind.__name__}")

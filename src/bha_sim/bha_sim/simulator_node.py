@@ -43,7 +43,8 @@ class SimulatorSettings:
         0.02, "Time between two states [s]; a multiple of the integration step", low=1e-3, high=1.0
     )
     tip_period: float = setting(
-        0.1, "Time between two of tip, pressures and /clock [s]; multiple of the control period",
+        0.1,
+        "Time between two of tip, pressures and /clock [s]; multiple of the control period",
         low=1e-3,
     )
     max_command_age: float = setting(

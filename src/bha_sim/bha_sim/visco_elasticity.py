@@ -14,9 +14,11 @@ only ever move towards the extension, so an update takes energy out and never pu
 from __future__ import annotations
 
 import numpy as np
-from bha_common import bellows
 
-from bha_sim.parameter_sections import Array, Hysteresis, Relaxation
+from bha_common import bellows
+from bha_sim.compiled import compiled
+from bha_sim.parameter_checks import Array
+from bha_sim.parameter_sections import Hysteresis, Relaxation
 
 
 class ViscoElasticity:
@@ -39,16 +41,11 @@ class ViscoElasticity:
         """Stiffness of the whole piece over that of its lasting spring [-], shape (9 * discs,)."""
         self._weights = shares / self.stiffness_factors
         self._states = np.zeros((branches + elements, pieces))
-        self._creep = self._states[:branches]
-        self._sliders = self._states[branches:]
         # Exact for an extension that rests during the period.
-        self._approach = -np.expm1(-period / relaxation.time_constants)[:, None]
+        self._approach = -np.expm1(-period / relaxation.time_constants)
         factors = hysteresis.slip_factors
         slips = hysteresis.slips[:, None] * (np.ones((1, pieces)) if factors is None else factors)
         self._slips = np.ascontiguousarray(slips)
-        self._step = np.empty_like(self._creep)
-        self._bound = np.empty_like(self._sliders)
-        self._weighted = np.empty_like(self._states)
 
     def update(self, extensions: Array, centres: Array) -> None:
         """Advance all states by one period.
@@ -58,16 +55,7 @@ class ViscoElasticity:
         extensions : Extension of every piece now [m], shape (9 * discs,).
         centres : Filled with the extension at which each piece's spring is free [m], same shape.
         """
-        creep, sliders = self._creep, self._sliders
-        np.subtract(extensions, creep, out=self._step)
-        np.multiply(self._step, self._approach, out=self._step)
-        np.add(creep, self._step, out=creep)
-        np.subtract(extensions, self._slips, out=self._bound)
-        np.maximum(sliders, self._bound, out=sliders)
-        np.add(extensions, self._slips, out=self._bound)
-        np.minimum(sliders, self._bound, out=sliders)
-        np.multiply(self._weights, self._states, out=self._weighted)
-        np.add.reduce(self._weighted, axis=0, out=centres)
+        _advance(self._states, extensions, self._approach, self._slips, self._weights, centres)
 
     def relax(self, extensions: Array, centres: Array) -> None:
         """Forget all history, as after resting at `extensions` for ever; fills `centres`."""
@@ -82,3 +70,29 @@ class ViscoElasticity:
     @state.setter
     def state(self, value: Array) -> None:
         self._states[:] = value
+
+
+@compiled
+def _advance(
+    states: Array,
+    extensions: Array,
+    approach: Array,
+    slips: Array,
+    weights: Array,
+    centres: Array,
+) -> None:
+    """Move branches and sliders towards the extensions, and take the weighted mean."""
+    branches = len(approach)
+    for piece in range(len(extensions)):
+        extension = extensions[piece]
+        centre = 0.0
+        for row in range(len(states)):
+            state = states[row, piece]
+            if row < branches:
+                state += approach[row] * (extension - state)
+            else:
+                slip = slips[row - branches, piece]
+                state = min(max(state, extension - slip), extension + slip)
+            states[row, piece] = state
+            centre += weights[row, piece] * state
+        centres[piece] = centre
