@@ -49,7 +49,7 @@ class CartesianFeedback(BhaNode):
         super().__init__("cartesian_feedback")
         self._axes = declare_settings(self, NodeSettings).axes
         self._settings = declare_settings(self, FeedbackSettings)
-        self._clock = StreamClock(on_restart=self._end)
+        self._robot_clock = StreamClock(on_restart=self._end)
         self._tip: Array | None = None
         self._integrator: GoalIntegrator | None = None
         self._mode = ""
@@ -69,7 +69,7 @@ class CartesianFeedback(BhaNode):
 
     def _take_tip(self, message: PoseStamped) -> None:
         tip, stamp = tip_from(message), nanoseconds(message.header.stamp)
-        self._clock.advance(stamp)
+        self._robot_clock.advance(stamp)
         self._tip = tip
         integrator = self._integrator
         if integrator is None:
@@ -102,7 +102,7 @@ class CartesianFeedback(BhaNode):
         for name, value in (("tolerance", tolerance), ("timeout", timeout)):
             if not (np.isfinite(value) and value >= 0.0):
                 raise MessageError(f"{name} must be 0 or above, got {value}")
-        if self._clock.now is None:
+        if self._robot_clock.now is None:
             raise MessageError("no tip was seen yet: is the tracker running?")
         if not self._mode:
             raise MessageError("no learning_status was seen yet: is the learner running?")
@@ -113,7 +113,7 @@ class CartesianFeedback(BhaNode):
             self._settings,
             point,
             axes=self._axes,
-            start=self._clock.now * 1e-9,
+            start=self._robot_clock.now * 1e-9,
             tolerance=tolerance,
             timeout=timeout,
         )
@@ -168,7 +168,7 @@ class CartesianFeedback(BhaNode):
 
     def diagnose(self) -> tuple[bytes, str, dict[str, str]]:
         """Tell what the feedback does."""
-        if self._clock.now is None:
+        if self._robot_clock.now is None:
             return WARN, "no tip yet", {}
         integrator = self._integrator
         if integrator is None:

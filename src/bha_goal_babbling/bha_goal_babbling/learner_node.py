@@ -67,7 +67,7 @@ class LearnerNode(BhaNode):
         settings = declare_settings(self, LearnerSettings)
         self._learner = Learner(settings, find_task(self._settings.task))
         self._load_at_start()
-        self._clock = StreamClock(on_restart=self._robot_restarted)
+        self._robot_clock = StreamClock(on_restart=self._robot_restarted)
         self._period_ns = round(settings.command_period * 1e9)
         self._due: int | None = None  # time of the command that waits for its tip [ns]
         self._last_command: int | None = None
@@ -92,7 +92,7 @@ class LearnerNode(BhaNode):
 
     def _take_lengths(self, message: JointState) -> None:
         lengths, stamp = lengths_from(message), nanoseconds(message.header.stamp)
-        self._clock.advance(stamp)
+        self._robot_clock.advance(stamp)
         self._learner.see_lengths(stamp, lengths)
         if self._due is not None:
             self._command_if_ready(stamp)
@@ -106,11 +106,11 @@ class LearnerNode(BhaNode):
         tip, stamp = tip_from(message), nanoseconds(message.header.stamp)
         newest = self._learner.newest_tip
         if newest is not None and stamp <= newest:
-            if self._clock.now is not None and stamp > self._clock.now - self._period_ns:
+            if self._robot_clock.now is not None and stamp > self._robot_clock.now - self._period_ns:
                 raise MessageError(f"stamp {stamp * 1e-9:.3f} s is not newer than the last one")
         self._learner.see_tip(stamp, tip)
         if self._due is not None:
-            self._command_if_ready(self._clock.now or stamp)
+            self._command_if_ready(self._robot_clock.now or stamp)
 
     def _command_if_ready(self, now: int) -> None:
         """Command once the tip of this period is there, or does not come any more."""
@@ -141,7 +141,7 @@ class LearnerNode(BhaNode):
 
     def _take_target(self, message: PointStamped) -> None:
         stamp = nanoseconds(message.header.stamp)
-        check_command_stamp(stamp, self._clock.now, self._settings.max_target_age)
+        check_command_stamp(stamp, self._robot_clock.now, self._settings.max_target_age)
         try:
             self._learner.follow(goal_from(message, frame_needed=True))
         except RefusedError as error:
@@ -232,11 +232,11 @@ class LearnerNode(BhaNode):
                 self._learner.halt()
                 self._settle_actions()
             else:
-                status = self._status_message(self._clock.now or 0)
+                status = self._status_message(self._robot_clock.now or 0)
                 handle.publish_feedback(Babble.Feedback(status=status, elapsed=session.elapsed))
 
         await self._with_progress(done, tell)
-        result.status = self._status_message(self._clock.now or 0)
+        result.status = self._status_message(self._robot_clock.now or 0)
         if handle.is_cancel_requested:
             result.message = "cancelled; everything learned so far is kept"
             handle.canceled()
@@ -331,7 +331,7 @@ class LearnerNode(BhaNode):
             "exploration time [s]": f"{learner.exploration_time:.0f}",
             "movements": str(learner.babbler.movements if learner.babbler else 0),
         }
-        now, tip = self._clock.now, learner.newest_tip
+        now, tip = self._robot_clock.now, learner.newest_tip
         if now is None:
             return WARN, "no lengths yet", values
         if tip is None or now - tip > 1_000_000_000:

@@ -13,7 +13,7 @@ class LearnerSettings:
         0.5, "Time between two length commands [s]; a multiple of the control period", low=0.02
     )
     step_periods: int = setting(
-        2, "Length commands that one step of exploration lasts", low=1, high=1000
+        1, "Length commands that one step of exploration lasts", low=1, high=1000
     )
     observation_span: float = setting(
         0.2, "Time over which lengths and tip are averaged for one observation [s]", low=0.0

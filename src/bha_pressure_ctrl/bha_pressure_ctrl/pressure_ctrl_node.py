@@ -57,7 +57,7 @@ class PressureCtrl(BhaNode):
         super().__init__("pressure_ctrl")
         self._settings = declare_settings(self, NodeSettings)
         self._control = PressureControl(declare_settings(self, PressureControlSettings))
-        self._clock = StreamClock(on_restart=self._robot_restarted)
+        self._robot_clock = StreamClock(on_restart=self._robot_restarted)
         self._period_ns = round(self._settings.command_period * 1e9)
         self._commanded = 0  # stamp of the newest length command [ns]
         self._commander_alive = False
@@ -95,7 +95,7 @@ class PressureCtrl(BhaNode):
     def _take_lengths(self, message: JointState) -> None:
         lengths_from(message)
         stamp = nanoseconds(message.header.stamp)
-        self._clock.advance(stamp)
+        self._robot_clock.advance(stamp)
         if self._held is not None:
             self._answer_held()
         due = self._settings.lockstep and self._commander_alive and stamp % self._period_ns == 0
@@ -117,7 +117,7 @@ class PressureCtrl(BhaNode):
 
     def _take_command(self, message: JointState) -> None:
         stamp = nanoseconds(message.header.stamp)
-        check_command_stamp(stamp, self._clock.now, self._settings.max_command_age)
+        check_command_stamp(stamp, self._robot_clock.now, self._settings.max_command_age)
         lengths = lengths_from(message)
         self._control.command(stamp * 1e-9, lengths)
         self._commanded, self._commander_alive = stamp, True

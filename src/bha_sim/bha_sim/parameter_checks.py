@@ -41,10 +41,11 @@ class Section:
             array = np.array(getattr(self, field), dtype=np.float64)
         except (TypeError, ValueError):
             self._fail(field, f"numbers of shape {shape}")
-        if shape[-1] == bellows.COUNT and array.shape[-1:] == (bellows.SEGMENTS,):
-            array = np.repeat(array, bellows.CHAMBERS, axis=-1)
-        elif len(shape) == 2 and array.ndim == 1 and array.shape == shape[:1]:
+        if len(shape) == 2 and array.ndim == 1:
+            # A list of branches or elements: one entry a row, the same for all columns.
             array = array[:, None]
+        elif shape[-1] == bellows.COUNT and array.shape[-1:] == (bellows.SEGMENTS,):
+            array = np.repeat(array, bellows.CHAMBERS, axis=-1)
         try:
             array = np.broadcast_to(array, shape).copy()
         except ValueError:

@@ -109,7 +109,7 @@ class Plant:
         command = np.asarray(pressures, dtype=np.float64)
         if command.shape != (bellows.COUNT,):
             raise ValueError(f"pressures must have shape (9,), got {command.shape}")
-        if not math.isfinite(np.add.reduce(command)):
+        if not np.isfinite(command).all():
             raise ValueError(f"pressures must be finite, got {command}")
         if self._diverged:
             raise PlantDivergedError(f"{self._diverged}; reset or restore the plant to go on")

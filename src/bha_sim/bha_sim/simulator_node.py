@@ -82,7 +82,7 @@ class Simulator(BhaNode):
         self._lengths = self.create_publisher(JointState, "lengths", CONTROL_QOS)
         self._pressures = self.create_publisher(Pressures, "pressures", CONTROL_QOS)
         self._tip = self.create_publisher(PoseStamped, "tip", CONTROL_QOS)
-        self._clock = self.create_publisher(Clock, "/clock", CONTROL_QOS)
+        self._clock_topic = self.create_publisher(Clock, "/clock", CONTROL_QOS)
         self._stopped = self.create_publisher(Bool, "emergency_stop_active", LATCHED_QOS)
         self._stopped.publish(Bool(data=False))
         self.subscribe_stream(Pressures, "pressure_command", self._take_command)
@@ -111,7 +111,7 @@ class Simulator(BhaNode):
     def _publish(self) -> None:
         state, now = self._plant.state, self._now
         if now % self._tip_period_ns == 0:
-            self._clock.publish(Clock(clock=stamp_message(now)))
+            self._clock_topic.publish(Clock(clock=stamp_message(now)))
             self._tip.publish(tip_message(now, state.tip, state.tip_quaternion))
             self._pressures.publish(pressures_message(now, state.pressures))
         # Last, so that who answers the lengths has the tip of the same time already.
