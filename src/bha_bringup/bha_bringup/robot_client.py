@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from types import TracebackType
 from typing import Any
 
@@ -36,6 +37,33 @@ _CALL_TIMEOUT = 10.0
 
 class RobotError(RuntimeError):
     """The robot refused or did not answer; the message says which node and why."""
+
+
+IdentifyFeedback, BabbleFeedback, ReachFeedback = (
+    Identify.Feedback,
+    Babble.Feedback,
+    ReachGoal.Feedback,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Reached:
+    """How a movement to a goal ended.
+
+    Attributes
+    ----------
+    success : Whether it ended by itself.
+    message : What happened, for people.
+    tip : Where the tip came to [m], shape (3,).
+    error : Distance to the goal in the task's coordinates [m].
+    duration : Robot time that it took [s].
+    """
+
+    success: bool
+    message: str
+    tip: Array
+    error: float
+    duration: float
 
 
 class Recording:
@@ -160,13 +188,15 @@ class RobotClient:
         tolerance: float = 0.0,
         timeout: float = 0.0,
         progress: Callable[[ReachGoal.Feedback], None] | None = None,
-    ) -> ReachGoal.Result:
+    ) -> Reached:
         """Go to a goal (3,) [m] and wait for the end, with or without Cartesian feedback."""
         goal = ReachGoal.Goal(
             goal=point_message(0, np.asarray(tip)), tolerance=tolerance, timeout=timeout
         )
         name = FEEDBACK if feedback else LEARNER
-        return self._run(ReachGoal, f"{name}/reach_goal", goal, progress)
+        result = self._run(ReachGoal, f"{name}/reach_goal", goal, progress)
+        tip = np.array([result.tip.x, result.tip.y, result.tip.z])
+        return Reached(result.success, result.message, tip, result.error, result.duration)
 
     def set_goal(self, tip: Array, *, feedback: bool = False) -> str:
         """Set a goal (3,) [m] and come back at once; what the node says to it."""
@@ -288,3 +318,19 @@ class RobotClient:
     def _take_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
             self.diagnostics[status.name.removeprefix(f"{NAMESPACE}/")] = status
+
+
+def refuse_second_graph(patience: float = 1.0) -> None:
+    """Raise RobotError when nodes of a graph are there before one is started.
+
+    Parameters
+    ----------
+    patience : Wall time to look for them [s].
+    """
+    with RobotClient() as robot:
+        if robot.wait(lambda: bool(robot.nodes()), patience):
+            raise RobotError(
+                "a graph is running in this ROS domain already "
+                f"({', '.join(sorted(robot.nodes()))}): end it (bha stop), "
+                "or choose another domain, such as ROS_DOMAIN_ID=1"
+            )

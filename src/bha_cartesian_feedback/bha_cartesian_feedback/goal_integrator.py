@@ -23,7 +23,7 @@ class FeedbackSettings:
         3.0, "Time for the feed-forward movement before the error counts [s]", low=0.0
     )
     max_correction: float = setting(
-        0.15, "Largest distance between target and goal [m]", low=0.0, high=0.5
+        0.05, "Largest distance between target and goal [m]", low=0.0, high=0.5
     )
     max_speed: float = setting(0.02, "Largest speed of the target [m/s]", low=0.0)
     tolerance: float = setting(

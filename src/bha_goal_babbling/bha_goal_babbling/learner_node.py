@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from ament_index_python.packages import get_package_share_directory
 from bha_common.files import ModelFileError
 from bha_common.ros_messages import (
     MessageError,
@@ -36,7 +35,7 @@ from bha_goal_babbling.arrays import FloatArray
 from bha_goal_babbling.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from bha_goal_babbling.learner import Learner, RefusedError
 from bha_goal_babbling.learner_settings import LearnerSettings
-from bha_goal_babbling.task import Task, load_task
+from bha_goal_babbling.task import find_task
 
 
 @dataclass(frozen=True)
@@ -343,12 +342,6 @@ class LearnerNode(BhaNode):
     def close(self) -> None:
         """Keep what was learned."""
         self._checkpoint()
-
-
-def find_task(task: str) -> Task:
-    """Load a task of this package by name, such as ``2d``, or from the path of a file."""
-    file = Path(get_package_share_directory("bha_goal_babbling"), "config", f"task_{task}.yaml")
-    return load_task(file if file.exists() else Path(task).expanduser())
 
 
 def _point(tip: FloatArray | None) -> Point:

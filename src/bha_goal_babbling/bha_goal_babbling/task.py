@@ -16,6 +16,7 @@ import yaml
 from numpy.typing import ArrayLike
 
 from bha_common import bellows
+from bha_common.share import share_file
 from bha_goal_babbling.arrays import FloatArray, vector
 from bha_goal_babbling.babbler_config import GoalBabblerConfig
 from bha_goal_babbling.errors import GoalBabblingError, InvalidTaskError
@@ -170,6 +171,20 @@ class Task:
             raise
         except (GoalBabblingError, TypeError) as error:
             raise InvalidTaskError(str(error)) from error
+
+
+def find_task(task: str) -> Task:
+    """Return a task of this package by its name, such as ``2d``, or the one in a file.
+
+    Raises
+    ------
+    InvalidTaskError
+        When there is neither, or the file cannot be used.
+    """
+    try:
+        return load_task(share_file(__file__, "config", f"task_{task}.yaml"))
+    except FileNotFoundError:
+        return load_task(Path(task).expanduser())
 
 
 def load_task(path: str | os.PathLike[str]) -> Task:

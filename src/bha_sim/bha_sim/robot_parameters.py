@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 import yaml
 
+from bha_common.share import share_file
+
 from bha_sim.errors import RobotParameterError
 from bha_sim.parameter_checks import Array, Section
 from bha_sim.parameter_sections import (
@@ -106,7 +108,7 @@ def load_parameters(path: str | os.PathLike[str] | None = None) -> RobotParamete
     RobotParameterError
         When the file cannot be read, or a number in it cannot be.
     """
-    source = _default_file() if path is None else Path(path)
+    source = share_file(__file__, "config", "robot.yaml") if path is None else Path(path)
     try:
         data = yaml.safe_load(source.read_text(encoding="utf-8"))
     except OSError as error:
@@ -197,16 +199,3 @@ def _checked_keys(data: Any, kind: type[Any], section: str) -> dict[str, Any]:
         if name not in data and field.default is MISSING:
             raise RobotParameterError(f"{prefix}{name} is missing")
     return dict(data)
-
-
-def _default_file() -> Path:
-    """Find ``config/robot.yaml``: beside the package in the sources, or in share when installed."""
-    here = Path(__file__).resolve()
-    source = here.parents[1] / "config" / "robot.yaml"
-    if source.is_file():
-        return source
-    for parent in here.parents:
-        installed = parent / "share" / "bha_sim" / "config" / "robot.yaml"
-        if installed.is_file():
-            return installed
-    raise RobotParameterError(f"config/robot.yaml was not found beside or above {here.parent}")
