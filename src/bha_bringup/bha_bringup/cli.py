@@ -6,6 +6,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from types import FrameType
 from typing import Annotated
@@ -54,10 +55,9 @@ def demo(
 ) -> None:
     """Start the graph, learn, reach held-out goals, and leave a report."""
     folder = out or Path("results", f"demo_{space}_seed{seed}")
-    short = {"minutes": 5.0, "goals": 5, "identification_samples": 20} if quick else {}
-    settings = DemoSettings(
-        **{"space": space, "minutes": minutes, "seed": seed, "goals": goals, "out": folder} | short
-    )
+    settings = DemoSettings(space, minutes, seed, goals, folder)
+    if quick:
+        settings = replace(settings, minutes=5.0, goals=5, identification_samples=20)
     console.print(
         f"A simulated BHA (robot {seed}) learns to reach, task {space}, from nothing: "
         f"{settings.minutes:g} robot minutes.\nEverything goes to {folder}; Ctrl-C ends it, "
@@ -192,7 +192,9 @@ def status() -> None:
 
 @app.command()
 def save(
-    folder: Annotated[Path, typer.Argument(help="Where to; default: where `up` keeps them.")] = Path(),
+    folder: Annotated[
+        Path, typer.Argument(help="Where to; default: where `up` keeps them.")
+    ] = Path(),
 ) -> None:
     """Save the models of the controller and the learner."""
     _both_models(lambda robot, node, path: robot.save(node, path), folder)
@@ -200,7 +202,9 @@ def save(
 
 @app.command()
 def load(
-    folder: Annotated[Path, typer.Argument(help="Where from; default: where `up` keeps them.")] = Path(),
+    folder: Annotated[
+        Path, typer.Argument(help="Where from; default: where `up` keeps them.")
+    ] = Path(),
 ) -> None:
     """Load models into the controller and the learner."""
     _both_models(lambda robot, node, path: robot.load(node, path), folder)

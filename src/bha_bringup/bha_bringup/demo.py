@@ -10,8 +10,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import numpy as np
-from bha_goal_babbling.checkpoint import load_checkpoint
-from bha_goal_babbling.task import Task, find_task
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
@@ -26,6 +24,8 @@ from bha_bringup.robot_client import (
     RobotClient,
     refuse_second_graph,
 )
+from bha_goal_babbling.checkpoint import load_checkpoint
+from bha_goal_babbling.task import Task, find_task
 
 
 def run_demo(record: DemoRecord, console: Console) -> None:
@@ -50,9 +50,7 @@ def run_demo(record: DemoRecord, console: Console) -> None:
     task = find_task(settings.space)
     record.axes = task.axes
     nodes = describe_graph(
-        GraphSettings(
-            space=settings.space, real_time_factor=0.0, seed=settings.seed, models=models
-        )
+        GraphSettings(space=settings.space, real_time_factor=0.0, seed=settings.seed, models=models)
     )
     refuse_second_graph()
     try:
@@ -189,4 +187,3 @@ class _Demo:
             refresh_per_second=4,
         ) as bar:
             yield bar, bar.add_task(name, total=1, note="")
-

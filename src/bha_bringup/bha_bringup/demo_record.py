@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from bha_common.files import atomic_write
 from numpy.typing import NDArray
 
 from bha_bringup.demo_settings import DemoSettings
 from bha_bringup.robot_client import Recording
+from bha_common.files import atomic_write
 
 Array = NDArray[np.float64]
 SCHEMA = 1
@@ -72,7 +72,7 @@ class DemoRecord:
     def errors(self, kind: str) -> Array:
         """Errors of the goals measured so far [m]; kind is ``feedforward`` or ``feedback``."""
         values = np.array([getattr(goal, f"{kind}_error") for goal in self.goals], dtype=float)
-        return values[np.isfinite(values)]
+        return np.asarray(values[np.isfinite(values)])
 
     def as_json(self) -> dict[str, Any]:
         """Return the contents of ``results.json``; what was not measured is null."""

@@ -10,10 +10,10 @@ matplotlib.use("Agg")  # no display is needed, and none may be there
 
 import matplotlib.pyplot as plt
 import numpy as np
-from bha_common import bellows
 from matplotlib.figure import Figure
 
 from bha_bringup.demo_record import DemoRecord
+from bha_common import bellows
 
 _FEEDFORWARD, _FEEDBACK, _GOAL = "#0072b2", "#d55e00", "#444444"  # safe for the colour-blind
 _SEGMENTS = ("#0072b2", "#009e73", "#d55e00")

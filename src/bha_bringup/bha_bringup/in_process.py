@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
+
 from bha_common.command_gate import CommandGate, SafetySettings
 from bha_goal_babbling.learner import Learner
 from bha_goal_babbling.learner_settings import LearnerSettings
@@ -18,7 +20,6 @@ from bha_pressure_ctrl.equilibrium_model import EquilibriumModel
 from bha_pressure_ctrl.pressure_control import PressureControl, PressureControlSettings
 from bha_sim.plant import Plant
 from bha_sim.robot_parameters import RobotParameters, draw_robot, load_parameters
-from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from bha_common.files import atomic_write
 from rich.table import Table
 
 from bha_bringup.demo_record import DemoRecord, statistics
 from bha_bringup.figures import write_figures
+from bha_common.files import atomic_write
 
 _KINDS = (("feedforward", "feed-forward"), ("feedback", "with Cartesian feedback"))
 _CAPTIONS = {

@@ -10,8 +10,6 @@ from typing import Any
 
 import numpy as np
 from action_msgs.msg import GoalStatus
-from bha_common.ros_messages import lengths_from, nanoseconds, point_message, pressures_from, tip_from
-from bha_common.ros_node import CONTROL_QOS, WATCHER_QOS
 from bha_interfaces.action import Babble, Identify, ReachGoal
 from bha_interfaces.msg import LearningStatus, Pressures
 from bha_interfaces.srv import LoadModel, Reset, SaveModel, SetGoal
@@ -27,6 +25,14 @@ from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
 
 from bha_bringup.graph import NAMESPACE
+from bha_common.ros_messages import (
+    lengths_from,
+    nanoseconds,
+    point_message,
+    pressures_from,
+    tip_from,
+)
+from bha_common.ros_node import CONTROL_QOS, WATCHER_QOS
 
 Array = NDArray[np.float64]
 LEARNER, CONTROLLER = "learner", "pressure_ctrl"
@@ -252,7 +258,12 @@ class RobotClient:
             subscribe(PoseStamped, "tip", keep(into.tips, tip_from), WATCHER_QOS),
         ]
         self.wait(lambda: bool(into.lengths and into.tips), timeout=2.0)
-        return lambda: [self.node.destroy_subscription(item) for item in subscriptions] and None
+
+        def end() -> None:
+            for subscription in subscriptions:
+                self.node.destroy_subscription(subscription)
+
+        return end
 
     def call(self, kind: Any, name: str, request: Any) -> Any:
         """Call any service of the graph.

@@ -1,11 +1,13 @@
 """Starts the graph: ros2 launch bha_bringup bha.launch.py [ARGUMENT:=VALUE ...]."""
 
-from bha_bringup.graph import NAMESPACE, ROBOTS, GraphSettings, describe_graph
-from launch import LaunchContext, LaunchDescription
+from pathlib import Path
+
 from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
-from pathlib import Path
+
+from bha_bringup.graph import NAMESPACE, ROBOTS, GraphSettings, describe_graph
+from launch import LaunchContext, LaunchDescription
 
 ARGUMENTS = {
     "robot": ("sim", f"which robot: {', '.join(ROBOTS)}", ROBOTS),

@@ -5,17 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from bha_common.ros_messages import (
-    MessageError,
-    goal_from,
-    nanoseconds,
-    point_message,
-    tip_from,
-)
-from bha_common.ros_node import CONTROL_QOS, LATCHED_QOS, OK, WARN, BhaNode, exit_with, run
-from bha_common.ros_parameters import declare_settings
-from bha_common.settings import check_settings, setting
-from bha_common.stamps import StreamClock
 from bha_interfaces.action import ReachGoal
 from bha_interfaces.msg import LearningStatus
 from bha_interfaces.srv import SetGoal
@@ -27,6 +16,17 @@ from rclpy.task import Future
 from std_msgs.msg import Bool
 
 from bha_cartesian_feedback.goal_integrator import FeedbackSettings, GoalIntegrator
+from bha_common.ros_messages import (
+    MessageError,
+    goal_from,
+    nanoseconds,
+    point_message,
+    tip_from,
+)
+from bha_common.ros_node import CONTROL_QOS, LATCHED_QOS, OK, WARN, BhaNode, exit_with, run
+from bha_common.ros_parameters import declare_settings
+from bha_common.settings import check_settings, setting
+from bha_common.stamps import StreamClock
 
 Array = NDArray[np.float64]
 _ACCEPTING = {LearningStatus.IDLE, LearningStatus.REACHING, LearningStatus.HOLDING}
@@ -36,7 +36,9 @@ _ACCEPTING = {LearningStatus.IDLE, LearningStatus.REACHING, LearningStatus.HOLDI
 class NodeSettings:
     """What belongs to the node rather than to the feedback."""
 
-    axes: int = setting(3, "Leading coordinates of the tip that count: 2 (x, y) or 3", low=2, high=3)
+    axes: int = setting(
+        3, "Leading coordinates of the tip that count: 2 (x, y) or 3", low=2, high=3
+    )
 
     def __post_init__(self) -> None:
         check_settings(self)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from bha_common.settings import check_settings, setting
 from numpy.typing import NDArray
+
+from bha_common.settings import check_settings, setting
 
 Array = NDArray[np.float64]
 
@@ -16,8 +17,10 @@ class FeedbackSettings:
     """How the error of the tip is integrated, and when a movement is over."""
 
     gain: float = setting(
-        0.2, "Motion of the target per error and time [1/s]; the trunk allows slow ones only",
-        low=0.0, high=0.5,
+        0.2,
+        "Motion of the target per error and time [1/s]; the trunk allows slow ones only",
+        low=0.0,
+        high=0.5,
     )
     feedforward_time: float = setting(
         3.0, "Time for the feed-forward movement before the error counts [s]", low=0.0
@@ -112,9 +115,7 @@ class GoalIntegrator:
             motion = _limited(
                 self._settings.gain * period * error, self._settings.max_speed * period
             )
-            self._correction = _limited(
-                self._correction + motion, self._settings.max_correction
-            )
+            self._correction = _limited(self._correction + motion, self._settings.max_correction)
         return self.target
 
 

@@ -5,9 +5,12 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import lzma
 import os
+import struct
 import tempfile
 import zipfile
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 _HEADER = "header"
+# All that zipfile and numpy were seen to raise, or can raise, where a byte of a file is wrong.
+_BROKEN = (
+    *(OSError, EOFError, ValueError, TypeError, LookupError, RuntimeError, MemoryError),
+    *(SyntaxError, OverflowError, struct.error, zipfile.BadZipFile, zlib.error, lzma.LZMAError),
+)
 
 
 class ModelFileError(ValueError):
@@ -92,7 +100,7 @@ def save_versioned(
     """
     if _HEADER in arrays:
         raise ValueError(f"an array must not be called {_HEADER!r}: that name is reserved")
-    contents = {name: np.ascontiguousarray(array) for name, array in arrays.items()}
+    contents = {name: np.asarray(array, order="C") for name, array in arrays.items()}
     header = {
         "kind": kind,
         "version": version,
@@ -129,28 +137,28 @@ def load_versioned(
         checked = json.loads(str(arrays.pop(_HEADER)))
         text, digest = checked["header"], checked["sha256"]
         header = json.loads(text)
+        settings, owner = dict(header["settings"]), str(header["robot"])
+        kept = {"kind": header["kind"], "version": header["version"]}
     except FileNotFoundError:
         raise ModelFileError(f"{source}: there is no such file") from None
     except IsADirectoryError:
         raise ModelFileError(f"{source}: this is a folder, not a model file") from None
     except PermissionError:
         raise ModelFileError(f"{source}: this file may not be read") from None
-    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+    except _BROKEN as error:
         raise ModelFileError(
             f"{source}: not a whole model file ({error or type(error).__name__})"
         ) from error
     if digest != _digest(text, arrays):
         raise ModelFileError(f"{source}: the content was altered (its checksum does not fit)")
     for name, expected in (("kind", kind), ("version", version)):
-        if header[name] != expected:
+        if kept[name] != expected:
             raise ModelFileError(
-                f"{source}: {name} is {header[name]!r}, but {expected!r} is needed here"
+                f"{source}: {name} is {kept[name]!r}, but {expected!r} is needed here"
             )
-    if robot is not None and header["robot"] != robot:
-        raise ModelFileError(
-            f"{source}: belongs to robot {header['robot']!r}, but this robot is {robot!r}"
-        )
-    return VersionedFile(arrays, header["settings"], header["robot"])
+    if robot is not None and owner != robot:
+        raise ModelFileError(f"{source}: belongs to robot {owner!r}, but this robot is {robot!r}")
+    return VersionedFile(arrays, settings, owner)
 
 
 def _digest(text: str, arrays: Mapping[str, NDArray[Any]]) -> str:

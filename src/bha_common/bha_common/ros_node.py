@@ -117,9 +117,7 @@ class BhaNode(Node):
         executor = SingleThreadedExecutor(context=self.context)
         executor.add_node(self)
         handles = [stream.handle for stream in self._streams]
-        wait_set = rclpy_implementation.WaitSet(
-            len(handles), 0, 0, 0, 0, 0, self.context.handle
-        )
+        wait_set = rclpy_implementation.WaitSet(len(handles), 0, 0, 0, 0, 0, self.context.handle)
         housekeeping_due = 0.0
         try:
             while self.context.ok():
@@ -181,7 +179,7 @@ def run(make_node: Callable[[], BhaNode]) -> int:
     try:
         node = make_node()
     except (ValueError, ModelFileError, ParameterException) as error:
-        print(f"error: {error}", file=sys.stderr)
+        sys.stderr.write(f"error: {error}\n")
         try_shutdown()
         return 2
     try:

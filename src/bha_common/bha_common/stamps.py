@@ -46,6 +46,8 @@ class StreamClock:
         StampError
             When the message must be dropped.
         """
+        if stamp <= 0:
+            raise StampError("no stamp: the robot's time begins above 0")
         if self._now is None or stamp > self._now:
             self._now = stamp
             self._doubted.clear()
@@ -55,7 +57,7 @@ class StreamClock:
         self._doubted.append(stamp)
         if len(self._doubted) < _RESTART_MESSAGES:
             raise StampError(
-                f"stamp {stamp * 1e-9:.3f} s is not newer than the last one, {self._now * 1e-9:.3f} s"
+                f"stamp {stamp * 1e-9:.3f} s is not newer than the last, {self._now * 1e-9:.3f} s"
             )
         self._doubted.clear()
         if self._on_restart is not None:

@@ -4,7 +4,6 @@ import os
 from dataclasses import dataclass
 
 from bha_common.files import ModelFileError, load_versioned, save_versioned
-
 from bha_goal_babbling.errors import GoalBabblingError
 from bha_goal_babbling.goal_babbler import GoalBabbler
 from bha_goal_babbling.saved_state import SavedState
@@ -87,5 +86,7 @@ def load_checkpoint(
             f"{path}: the file does not hold a whole learner: {error!r}"
         ) from error
     if task is not None and checkpoint.task != task:
-        raise ModelFileError(f"{path}: learned task {checkpoint.task!r}; this learner's is {task!r}")
+        raise ModelFileError(
+            f"{path}: learned task {checkpoint.task!r}; this learner's is {task!r}"
+        )
     return checkpoint

@@ -7,6 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from bha_interfaces.action import Babble, ReachGoal
+from bha_interfaces.msg import LearningStatus
+from bha_interfaces.srv import LoadModel, SaveModel, SetGoal
+from geometry_msgs.msg import Point, PointStamped, PoseStamped
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.task import Future
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool
+
 from bha_common.files import ModelFileError
 from bha_common.ros_messages import (
     MessageError,
@@ -21,16 +31,6 @@ from bha_common.ros_node import CONTROL_QOS, LATCHED_QOS, OK, WARN, BhaNode, exi
 from bha_common.ros_parameters import declare_settings
 from bha_common.settings import check_settings, setting
 from bha_common.stamps import StreamClock, check_command_stamp
-from bha_interfaces.action import Babble, ReachGoal
-from bha_interfaces.msg import LearningStatus
-from bha_interfaces.srv import LoadModel, SaveModel, SetGoal
-from geometry_msgs.msg import Point, PointStamped, PoseStamped
-from rclpy.action import ActionServer, CancelResponse, GoalResponse
-from rclpy.action.server import ServerGoalHandle
-from rclpy.task import Future
-from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool
-
 from bha_goal_babbling.arrays import FloatArray
 from bha_goal_babbling.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from bha_goal_babbling.learner import Learner, RefusedError
@@ -51,7 +51,7 @@ class NodeSettings:
     tip_timeout: float = setting(
         0.25, "Robot time to wait for the tip of a command period [s]", low=0.0
     )
-    max_target_age: float = setting(1.0, "Age at which a target is dropped [s]", low=0.02)
+    max_age: float = setting(1.0, "Age at which a tip or a target is dropped [s]", low=0.02)
 
     def __post_init__(self) -> None:
         check_settings(self)
@@ -103,10 +103,10 @@ class LearnerNode(BhaNode):
 
     def _take_tip(self, message: PoseStamped) -> None:
         tip, stamp = tip_from(message), nanoseconds(message.header.stamp)
+        check_command_stamp(stamp, self._robot_clock.now, self._settings.max_age)
         newest = self._learner.newest_tip
         if newest is not None and stamp <= newest:
-            if self._robot_clock.now is not None and stamp > self._robot_clock.now - self._period_ns:
-                raise MessageError(f"stamp {stamp * 1e-9:.3f} s is not newer than the last one")
+            raise MessageError(f"stamp {stamp * 1e-9:.3f} s is not newer than the last one")
         self._learner.see_tip(stamp, tip)
         if self._due is not None:
             self._command_if_ready(self._robot_clock.now or stamp)
@@ -140,7 +140,7 @@ class LearnerNode(BhaNode):
 
     def _take_target(self, message: PointStamped) -> None:
         stamp = nanoseconds(message.header.stamp)
-        check_command_stamp(stamp, self._robot_clock.now, self._settings.max_target_age)
+        check_command_stamp(stamp, self._robot_clock.now, self._settings.max_age)
         try:
             self._learner.follow(goal_from(message, frame_needed=True))
         except RefusedError as error:
@@ -168,9 +168,7 @@ class LearnerNode(BhaNode):
     async def _reach(self, handle: ServerGoalHandle) -> ReachGoal.Result:
         request, result = handle.request, ReachGoal.Result()
         try:
-            reach = self._learner.go_to(
-                goal_from(request.goal), request.tolerance, request.timeout
-            )
+            reach = self._learner.go_to(goal_from(request.goal), request.tolerance, request.timeout)
         except (MessageError, RefusedError) as error:
             result.message = str(error)
             handle.abort()
@@ -216,9 +214,7 @@ class LearnerNode(BhaNode):
     async def _babble(self, handle: ServerGoalHandle) -> Babble.Result:
         result = Babble.Result()
         try:
-            session = self._learner.babble(
-                handle.request.duration, restart=handle.request.restart
-            )
+            session = self._learner.babble(handle.request.duration, restart=handle.request.restart)
         except RefusedError as error:
             result.message = str(error)
             handle.abort()
@@ -274,9 +270,7 @@ class LearnerNode(BhaNode):
             self.get_logger().info(f"goes on with what {path} has learned")
 
     def _use_file(self, path: str) -> None:
-        stored = load_checkpoint(
-            path, robot=self._settings.robot, task=self._learner.task.name
-        )
+        stored = load_checkpoint(path, robot=self._settings.robot, task=self._learner.task.name)
         self._learner.use(stored.babbler, stored.exploration_time)
 
     def _checkpoint(self) -> None:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bha_common import bellows
-from bha_common.files import load_versioned, save_versioned
+from bha_common.files import ModelFileError, load_versioned, save_versioned
 
 Array = NDArray[np.float64]
 
@@ -83,7 +84,11 @@ class EquilibriumModel:
             When the file cannot be used for this robot.
         """
         stored = load_versioned(path, kind=_KIND, version=_VERSION, robot=robot)
-        return cls(**stored.arrays, **stored.settings)
+        try:
+            fields: dict[str, Any] = {**stored.arrays, **stored.settings}
+            return cls(**fields)
+        except (TypeError, EquilibriumModelError) as error:
+            raise ModelFileError(f"{path}: does not hold a whole model: {error}") from error
 
 
 def fit_equilibrium_model(

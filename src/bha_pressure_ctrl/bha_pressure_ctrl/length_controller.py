@@ -18,9 +18,7 @@ Array = NDArray[np.float64]
 class LengthControllerSettings:
     """Gains of the feedback on the lengths."""
 
-    proportional_gain: float = setting(
-        3e5, "Pressure per length error [Pa/m]", low=0.0, high=2e6
-    )
+    proportional_gain: float = setting(3e5, "Pressure per length error [Pa/m]", low=0.0, high=2e6)
     integral_gain: float = setting(
         8e5, "Pressure per integrated length error [Pa/(m s)]", low=0.0, high=5e6
     )

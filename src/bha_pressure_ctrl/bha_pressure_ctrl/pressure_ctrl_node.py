@@ -6,12 +6,6 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from bha_common.files import ModelFileError
-from bha_common.ros_messages import lengths_from, nanoseconds, pressures_message
-from bha_common.ros_node import CONTROL_QOS, LATCHED_QOS, OK, WARN, BhaNode, exit_with, run
-from bha_common.ros_parameters import declare_settings
-from bha_common.settings import check_settings, setting
-from bha_common.stamps import StreamClock, check_command_stamp
 from bha_interfaces.action import Identify
 from bha_interfaces.msg import Pressures
 from bha_interfaces.srv import LoadModel, SaveModel
@@ -21,6 +15,12 @@ from rclpy.task import Future
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
 
+from bha_common.files import ModelFileError
+from bha_common.ros_messages import lengths_from, nanoseconds, pressures_message
+from bha_common.ros_node import CONTROL_QOS, LATCHED_QOS, OK, WARN, BhaNode, exit_with, run
+from bha_common.ros_parameters import declare_settings
+from bha_common.settings import check_settings, setting
+from bha_common.stamps import StreamClock, check_command_stamp
 from bha_pressure_ctrl.equilibrium_model import (
     MIN_SAMPLES,
     EquilibriumModel,
@@ -201,7 +201,9 @@ class PressureCtrl(BhaNode):
             self._control.use(EquilibriumModel.load(path, self._settings.robot))
             self.get_logger().info(f"equilibrium model loaded from {path}")
         else:
-            self.get_logger().warning("no equilibrium model yet: venting until ~/identify is called")
+            self.get_logger().warning(
+                "no equilibrium model yet: venting until ~/identify is called"
+            )
 
     def _save(self, request: SaveModel.Request, response: SaveModel.Response) -> SaveModel.Response:
         path, model = request.path or self._settings.model_file, self._control.model

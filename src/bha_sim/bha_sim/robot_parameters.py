@@ -12,7 +12,6 @@ import numpy as np
 import yaml
 
 from bha_common.share import share_file
-
 from bha_sim.errors import RobotParameterError
 from bha_sim.parameter_checks import Array, Section
 from bha_sim.parameter_sections import (

@@ -6,6 +6,14 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from bha_interfaces.msg import Pressures
+from bha_interfaces.srv import Reset
+from geometry_msgs.msg import PoseStamped
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool
+from std_srvs.srv import SetBool, Trigger
+
 from bha_common.command_gate import CommandGate, SafetySettings
 from bha_common.ros_messages import (
     lengths_message,
@@ -19,14 +27,6 @@ from bha_common.ros_node import CONTROL_QOS, ERROR, LATCHED_QOS, OK, WARN, BhaNo
 from bha_common.ros_parameters import declare_settings
 from bha_common.settings import check_settings, setting
 from bha_common.stamps import check_command_stamp
-from bha_interfaces.msg import Pressures
-from bha_interfaces.srv import Reset
-from geometry_msgs.msg import PoseStamped
-from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool
-from std_srvs.srv import SetBool, Trigger
-
 from bha_sim.errors import PlantDivergedError
 from bha_sim.lockstep import Pace, PaceSettings
 from bha_sim.plant import Plant
