@@ -19,6 +19,8 @@ setup(
     description="Optional Cartesian feedback: integrates the error of the tip in goal space.",
     license="Apache-2.0",
     entry_points={
-        "console_scripts": ["cartesian_feedback = bha_cartesian_feedback.cartesian_feedback_node:main"],
+        "console_scripts": [
+            "cartesian_feedback = bha_cartesian_feedback.cartesian_feedback_node:main"
+        ],
     },
 )

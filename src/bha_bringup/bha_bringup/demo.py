@@ -54,9 +54,11 @@ def run_demo(record: DemoRecord, console: Console) -> None:
     )
     refuse_second_graph()
     try:
-        with GraphProcesses(nodes, settings.out / "logs") as processes:
-            with RobotClient(processes.check) as robot:
-                _Demo(task, record, robot, console).run(nodes)
+        with (
+            GraphProcesses(nodes, settings.out / "logs") as processes,
+            RobotClient(processes.check) as robot,
+        ):
+            _Demo(task, record, robot, console).run(nodes)
         record.complete = True
     finally:
         record.write(settings.out)

@@ -66,8 +66,8 @@ def atomic_write(path: str | os.PathLike[str], data: bytes) -> None:
         # mkstemp makes the file private; a model is to be read by whoever may read the folder.
         umask = os.umask(0)
         os.umask(umask)
-        os.chmod(temporary, 0o666 & ~umask)
-        os.replace(temporary, target)
+        Path(temporary).chmod(0o666 & ~umask)
+        Path(temporary).replace(target)
     except BaseException:
         Path(temporary).unlink(missing_ok=True)
         raise

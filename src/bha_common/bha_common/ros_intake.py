@@ -43,7 +43,7 @@ class Intake:
             )
 
     def values(self) -> dict[str, str]:
-        """What diagnostics tell about this topic."""
+        """Tell diagnostics about this topic."""
         if not self.dropped:
             return {f"{self._topic} dropped": "0"}
         return {

@@ -56,9 +56,8 @@ class StreamClock:
             self._doubted.clear()
         self._doubted.append(stamp)
         if len(self._doubted) < _RESTART_MESSAGES:
-            raise StampError(
-                f"stamp {stamp * 1e-9:.3f} s is not newer than the last, {self._now * 1e-9:.3f} s"
-            )
+            newest = f"{self._now * 1e-9:.3f} s"
+            raise StampError(f"stamp {stamp * 1e-9:.3f} s is not newer than the last one, {newest}")
         self._doubted.clear()
         if self._on_restart is not None:
             self._on_restart()
