@@ -29,6 +29,7 @@ from bha_common.settings import check_settings, setting
 from bha_common.stamps import StreamClock
 
 Array = NDArray[np.float64]
+_MAX_GAP = 10.0  # [s] between two tips; more is doubted
 _ACCEPTING = {LearningStatus.IDLE, LearningStatus.REACHING, LearningStatus.HOLDING}
 
 
@@ -51,7 +52,7 @@ class CartesianFeedback(BhaNode):
         super().__init__("cartesian_feedback")
         self._axes = declare_settings(self, NodeSettings).axes
         self._settings = declare_settings(self, FeedbackSettings)
-        self._robot_clock = StreamClock(on_restart=self._end)
+        self._robot_clock = StreamClock(self._end, max_gap=_MAX_GAP)
         self._tip: Array | None = None
         self._integrator: GoalIntegrator | None = None
         self._mode = ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 _RESTART_MESSAGES = 3
@@ -16,16 +17,21 @@ class StreamClock:
 
     Nodes take the time from the stamps of the lengths and not from a clock of their own, so that
     they compute the same whether the robot runs in real time, faster, or in lockstep. A state that
-    is not newer than the last one is refused; but several such states that rise among themselves
-    mean that the robot was started anew, and its time is taken over.
+    is not newer than the last one is refused, and so is one that leaps ahead; but several such
+    states that go on from one another are believed. When they are not newer, the robot was started
+    anew; when they are, it went on while nobody listened.
 
     Parameters
     ----------
     on_restart : Called when the robot has started anew, before its time is taken over.
+    max_gap : Largest time between two states of one run [s].
     """
 
-    def __init__(self, on_restart: Callable[[], None] | None = None) -> None:
+    def __init__(
+        self, on_restart: Callable[[], None] | None = None, max_gap: float = math.inf
+    ) -> None:
         self._on_restart = on_restart
+        self._max_gap = max_gap * 1e9
         self._now: int | None = None
         self._doubted: list[int] = []
 
@@ -48,18 +54,22 @@ class StreamClock:
         """
         if stamp <= 0:
             raise StampError("no stamp: the robot's time begins above 0")
-        if self._now is None or stamp > self._now:
+        now = self._now
+        if now is None or 0 < stamp - now <= self._max_gap:
             self._now = stamp
             self._doubted.clear()
             return
-        if self._doubted and stamp <= self._doubted[-1]:
+        if self._doubted and not 0 < stamp - self._doubted[-1] <= self._max_gap:
             self._doubted.clear()
         self._doubted.append(stamp)
         if len(self._doubted) < _RESTART_MESSAGES:
-            newest = f"{self._now * 1e-9:.3f} s"
-            raise StampError(f"stamp {stamp * 1e-9:.3f} s is not newer than the last one, {newest}")
+            raise StampError(
+                f"stamp {stamp * 1e-9:.3f} s is not newer than the last one, {now * 1e-9:.3f} s"
+                if stamp <= now
+                else f"stamp {stamp * 1e-9:.3f} s leaps ahead of the last one, {now * 1e-9:.3f} s"
+            )
         self._doubted.clear()
-        if self._on_restart is not None:
+        if stamp <= now and self._on_restart is not None:
             self._on_restart()
         self._now = stamp
 

@@ -37,6 +37,8 @@ from bha_goal_babbling.learner import Learner, RefusedError
 from bha_goal_babbling.learner_settings import LearnerSettings
 from bha_goal_babbling.task import find_task
 
+_MAX_GAP = 2.0  # [s] between two states; more is doubted
+
 
 @dataclass(frozen=True)
 class NodeSettings:
@@ -66,7 +68,7 @@ class LearnerNode(BhaNode):
         settings = declare_settings(self, LearnerSettings)
         self._learner = Learner(settings, find_task(self._settings.task))
         self._load_at_start()
-        self._robot_clock = StreamClock(on_restart=self._robot_restarted)
+        self._robot_clock = StreamClock(self._robot_restarted, max_gap=_MAX_GAP)
         self._period_ns = round(settings.command_period * 1e9)
         self._due: int | None = None  # time of the command that waits for its tip [ns]
         self._last_command: int | None = None

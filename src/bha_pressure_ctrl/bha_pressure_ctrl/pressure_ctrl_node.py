@@ -28,6 +28,8 @@ from bha_pressure_ctrl.equilibrium_model import (
 )
 from bha_pressure_ctrl.pressure_control import PressureControl, PressureControlSettings
 
+_MAX_GAP = 2.0  # [s] between two states; more is doubted
+
 
 @dataclass(frozen=True)
 class NodeSettings:
@@ -57,7 +59,7 @@ class PressureCtrl(BhaNode):
         super().__init__("pressure_ctrl")
         self._settings = declare_settings(self, NodeSettings)
         self._control = PressureControl(declare_settings(self, PressureControlSettings))
-        self._robot_clock = StreamClock(on_restart=self._robot_restarted)
+        self._robot_clock = StreamClock(self._robot_restarted, max_gap=_MAX_GAP)
         self._period_ns = round(self._settings.command_period * 1e9)
         self._commanded = 0  # stamp of the newest length command [ns]
         self._commander_alive = False
