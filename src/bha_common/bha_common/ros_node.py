@@ -34,11 +34,14 @@ CONTROL_QOS = QoSProfile(
 
 LATCHED_QOS = QoSProfile(
     history=HistoryPolicy.KEEP_LAST,
-    depth=1,
+    depth=10,
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
-"""For states that a late comer must know, such as the emergency stop."""
+"""For states that a late comer must know, such as the emergency stop.
+
+With some depth: who is busy must see a stop even when its reset follows at once.
+"""
 
 WATCHER_QOS = qos_profile_sensor_data
 """For those who only look on."""

@@ -211,6 +211,7 @@ class Learner:
         """
         if stopped:
             self.halt()
+            self._command = None
             self._resting = self.IDLE
         self._stopped = stopped
 
@@ -256,6 +257,8 @@ class Learner:
     def _end_session(self) -> None:
         self._session = None
         self._resting = self.HOLDING
+        if self.babbler is None:  # it did not get beyond the way home
+            self.exploration_time = 0.0
 
     def _inverse(self, goal: FloatArray) -> FloatArray:
         if self.babbler is None:
