@@ -5,12 +5,9 @@ from __future__ import annotations
 import hashlib
 import io
 import json
-import lzma
 import os
-import struct
 import tempfile
 import zipfile
-import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,11 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 _HEADER = "header"
-# All that zipfile and numpy were seen to raise, or can raise, where a byte of a file is wrong.
-_BROKEN = (
-    *(OSError, EOFError, ValueError, TypeError, LookupError, RuntimeError, MemoryError),
-    *(SyntaxError, OverflowError, struct.error, zipfile.BadZipFile, zlib.error, lzma.LZMAError),
-)
+_DIGEST_SIZE = 64
 
 
 class ModelFileError(ValueError):
@@ -96,22 +89,18 @@ def save_versioned(
     Raises
     ------
     ValueError
-        When an array has the reserved name.
+        When an array has the reserved name, or holds objects.
     """
     if _HEADER in arrays:
         raise ValueError(f"an array must not be called {_HEADER!r}: that name is reserved")
-    contents = {name: np.asarray(array, order="C") for name, array in arrays.items()}
-    header = {
-        "kind": kind,
-        "version": version,
-        "robot": robot,
-        "settings": dict(settings),
-    }
-    text = json.dumps(header, sort_keys=True)
-    checked = json.dumps({"header": text, "sha256": _digest(text, contents)})
+    objects = [name for name, array in arrays.items() if np.asarray(array).dtype.hasobject]
+    if objects:
+        raise ValueError(f"arrays must hold plain numbers; {', '.join(objects)} hold objects")
+    header = {"kind": kind, "version": version, "robot": robot, "settings": dict(settings)}
     stream = io.BytesIO()
-    np.savez(stream, allow_pickle=False, **{_HEADER: np.array(checked)}, **contents)
-    atomic_write(path, stream.getvalue())
+    contents = {**arrays, _HEADER: np.array(json.dumps(header))}
+    np.savez(stream, **contents)  # its own switch against objects is not in every numpy
+    atomic_write(path, _signed(stream.getvalue()))
 
 
 def load_versioned(
@@ -132,40 +121,45 @@ def load_versioned(
     """
     source = Path(path).expanduser()
     try:
-        with np.load(source, allow_pickle=False) as stored:
-            arrays = {name: stored[name] for name in stored.files}
-        checked = json.loads(str(arrays.pop(_HEADER)))
-        text, digest = checked["header"], checked["sha256"]
-        header = json.loads(text)
-        settings, owner = dict(header["settings"]), str(header["robot"])
-        kept = {"kind": header["kind"], "version": header["version"]}
+        data = source.read_bytes()
     except FileNotFoundError:
         raise ModelFileError(f"{source}: there is no such file") from None
     except IsADirectoryError:
         raise ModelFileError(f"{source}: this is a folder, not a model file") from None
     except PermissionError:
         raise ModelFileError(f"{source}: this file may not be read") from None
-    except _BROKEN as error:
+    except OSError as error:
+        raise ModelFileError(f"{source}: cannot be read ({error.strerror})") from error
+    # Checked before anything is made of it: a wrong byte in an archive can raise almost any error.
+    if data[-_DIGEST_SIZE:] != _digest(data[:-_DIGEST_SIZE]):
+        if zipfile.is_zipfile(io.BytesIO(data)):
+            raise ModelFileError(f"{source}: the content was altered (its checksum does not fit)")
+        raise ModelFileError(f"{source}: not a whole model file (cut, or something else)")
+    try:
+        with np.load(io.BytesIO(data), allow_pickle=False) as stored:
+            arrays = {name: stored[name] for name in stored.files}
+        header = json.loads(str(arrays.pop(_HEADER)))
+        settings, owner = dict(header["settings"]), str(header["robot"])
+        found = {"kind": header["kind"], "version": header["version"]}
+    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
         raise ModelFileError(
             f"{source}: not a whole model file ({error or type(error).__name__})"
         ) from error
-    if digest != _digest(text, arrays):
-        raise ModelFileError(f"{source}: the content was altered (its checksum does not fit)")
     for name, expected in (("kind", kind), ("version", version)):
-        if kept[name] != expected:
+        if found[name] != expected:
             raise ModelFileError(
-                f"{source}: {name} is {kept[name]!r}, but {expected!r} is needed here"
+                f"{source}: {name} is {found[name]!r}, but {expected!r} is needed here"
             )
     if robot is not None and owner != robot:
         raise ModelFileError(f"{source}: belongs to robot {owner!r}, but this robot is {robot!r}")
     return VersionedFile(arrays, settings, owner)
 
 
-def _digest(text: str, arrays: Mapping[str, NDArray[Any]]) -> str:
-    """Checksum over the header and, in order of names, type, shape and bytes of each array."""
-    digest = hashlib.sha256(text.encode())
-    for name in sorted(arrays):
-        array = arrays[name]
-        digest.update(f"|{name}|{array.dtype.str}|{array.shape}|".encode())
-        digest.update(np.ascontiguousarray(array).tobytes())
-    return digest.hexdigest()
+def _signed(archive: bytes) -> bytes:
+    """Put a checksum of all other bytes at the end of a zip archive, as the archive's comment."""
+    body = archive[:-2] + _DIGEST_SIZE.to_bytes(2, "little")  # where the comment's size stands
+    return body + _digest(body)
+
+
+def _digest(data: bytes) -> bytes:
+    return hashlib.sha256(data).hexdigest().encode()
