@@ -260,7 +260,7 @@ def main() -> None:
     for number in signals:
         signal.signal(number, interrupt)
     try:
-        app()
+        app(prog_name="bha")
     except Interrupted:
         console.print("\ninterrupted; what was learned is kept")
         sys.exit(130)
