@@ -105,6 +105,8 @@ class LearnerNode(BhaNode):
 
     def _take_tip(self, message: PoseStamped) -> None:
         tip, stamp = tip_from(message), nanoseconds(message.header.stamp)
+        if self._robot_clock.now is None:
+            return  # of no use before the first lengths
         check_command_stamp(stamp, self._robot_clock.now, self._settings.max_age)
         newest = self._learner.newest_tip
         if newest is not None and stamp <= newest:
@@ -141,10 +143,10 @@ class LearnerNode(BhaNode):
             self._reached = None
 
     def _take_target(self, message: PointStamped) -> None:
-        stamp = nanoseconds(message.header.stamp)
+        target, stamp = goal_from(message, frame_needed=True), nanoseconds(message.header.stamp)
         check_command_stamp(stamp, self._robot_clock.now, self._settings.max_age)
         try:
-            self._learner.follow(goal_from(message, frame_needed=True))
+            self._learner.follow(target)
         except RefusedError as error:
             raise MessageError(str(error)) from error
 

@@ -66,6 +66,11 @@ class PressureControl:
         return self._model
 
     @property
+    def stopped(self) -> bool:
+        """Whether the emergency stop is active."""
+        return self._stopped
+
+    @property
     def identification(self) -> Identification | None:
         """The identification that runs; None when none does."""
         return self._identification

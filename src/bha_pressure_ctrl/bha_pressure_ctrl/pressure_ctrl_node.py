@@ -62,7 +62,7 @@ class PressureCtrl(BhaNode):
         self._robot_clock = StreamClock(self._robot_restarted, max_gap=_MAX_GAP)
         self._period_ns = round(self._settings.command_period * 1e9)
         self._commanded = 0  # stamp of the newest length command [ns]
-        self._commander_alive = False
+        self._commander_alive: bool | None = None  # None: it had no turn yet
         self._held: tuple[int, JointState] | None = None  # a state that waits for its command
         self._held_until = 0.0
         self._identified: Future | None = None
@@ -70,6 +70,7 @@ class PressureCtrl(BhaNode):
 
         self._pressures = self.create_publisher(Pressures, "pressure_command", CONTROL_QOS)
         self.subscribe_stream(JointState, "length_command", self._take_command)
+        self._command_topic = self.resolve_topic_name("length_command")
         self.subscribe_stream(JointState, "lengths", self._take_lengths)
         self.create_subscription(Bool, "emergency_stop_active", self._take_stop, LATCHED_QOS)
         self.create_service(SaveModel, "~/save_model", self._save)
@@ -100,12 +101,18 @@ class PressureCtrl(BhaNode):
         self._robot_clock.advance(stamp)
         if self._held is not None:
             self._answer_held()
-        due = self._settings.lockstep and self._commander_alive and stamp % self._period_ns == 0
+        due = self._settings.lockstep and stamp % self._period_ns == 0 and self._has_commander()
         self._held = (stamp, message)
         if due and self._commanded < stamp:
             self._held_until = time.monotonic() + self._settings.lockstep_timeout
         else:
             self._answer_held()
+
+    def _has_commander(self) -> bool:
+        """Tell whether a command will come: from one who sends them, or is there to begin."""
+        if self._commander_alive is None:
+            return self.count_publishers(self._command_topic) > 0
+        return self._commander_alive
 
     def _answer_held(self) -> None:
         assert self._held is not None
@@ -118,23 +125,22 @@ class PressureCtrl(BhaNode):
             self._identified = None
 
     def _take_command(self, message: JointState) -> None:
-        stamp = nanoseconds(message.header.stamp)
+        lengths, stamp = lengths_from(message), nanoseconds(message.header.stamp)
         check_command_stamp(stamp, self._robot_clock.now, self._settings.max_command_age)
-        lengths = lengths_from(message)
         self._control.command(stamp * 1e-9, lengths)
         self._commanded, self._commander_alive = stamp, True
         if self._held is not None and self._held[0] <= stamp:
             self._answer_held()
 
     def _take_stop(self, message: Bool) -> None:
-        if message.data or self._control.mode == PressureControl.STOPPED:
+        if message.data or self._control.stopped:
             self._control.stop(bool(message.data))
 
     def _robot_restarted(self) -> None:
         self.get_logger().warning("the robot's time has begun anew: waiting for new commands")
         self._control.forget_command()
         self._held = None
-        self._commanded, self._commander_alive = 0, False
+        self._commanded, self._commander_alive = 0, None
 
     def _accept_identify(self, goal: Identify.Goal) -> GoalResponse:
         problem = self._why_not_identify(int(goal.samples))

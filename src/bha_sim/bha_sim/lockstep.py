@@ -55,7 +55,11 @@ class Pace:
         self.in_step = self._lockstep
 
     def resume(self, now: float) -> None:
-        """Begin anew after a pause, at wall time `now` [s]."""
+        """Begin anew after a pause, at wall time `now` [s].
+
+        Who ends a pause says that all are ready: lockstep holds from the first state on.
+        """
+        self.in_step = self._lockstep
         self._due = now + self._wall_period
         self._waiting_since = now
 

@@ -131,9 +131,9 @@ class Simulator(BhaNode):
         self._published = False
 
     def _take_command(self, message: Pressures) -> None:
-        stamp = nanoseconds(message.header.stamp)
+        pressures, stamp = pressures_from(message), nanoseconds(message.header.stamp)
         check_command_stamp(stamp, self._now, self._settings.max_command_age)
-        self._gate.offer(stamp * 1e-9, pressures_from(message))
+        self._gate.offer(stamp * 1e-9, pressures)
         if stamp == self._now and self._published:
             self._answered = True
             self._pace.answered()
