@@ -11,6 +11,8 @@ from bha_common.settings import check_settings, setting
 
 Array = NDArray[np.float64]
 
+_LONGEST_STEP = 1.0  # [s] over which one tip is integrated; beyond that it was not seen
+
 
 @dataclass(frozen=True)
 class FeedbackSettings:
@@ -85,7 +87,8 @@ class GoalIntegrator:
     @property
     def arrived(self) -> bool:
         """Whether the tip has stayed within the tolerance long enough."""
-        return self._last - self._outside >= self._settings.rest_time
+        near = self.error <= self._tolerance
+        return near and self._last - self._outside >= self._settings.rest_time
 
     @property
     def done(self) -> bool:
@@ -104,7 +107,7 @@ class GoalIntegrator:
         -------
         The target [m], shape (3,).
         """
-        period, self._last = time - self._last, time
+        period, self._last = min(time - self._last, _LONGEST_STEP), time
         self.elapsed = time - self._start
         error = np.zeros(3)
         error[: self._axes] = (self.goal - tip)[: self._axes]
