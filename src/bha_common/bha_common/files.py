@@ -98,7 +98,7 @@ def save_versioned(
         raise ValueError(f"arrays must hold plain numbers; {', '.join(objects)} hold objects")
     header = {"kind": kind, "version": version, "robot": robot, "settings": dict(settings)}
     stream = io.BytesIO()
-    contents = {**arrays, _HEADER: np.array(json.dumps(header))}
+    contents: dict[str, Any] = {**arrays, _HEADER: np.array(json.dumps(header))}
     np.savez(stream, **contents)  # its own switch against objects is not in every numpy
     atomic_write(path, _signed(stream.getvalue()))
 

@@ -87,7 +87,7 @@ class EquilibriumModel:
         try:
             fields: dict[str, Any] = {**stored.arrays, **stored.settings}
             return cls(**fields)
-        except (TypeError, EquilibriumModelError) as error:
+        except (TypeError, ValueError) as error:
             raise ModelFileError(f"{path}: does not hold a whole model: {error}") from error
 
 
