@@ -1,0 +1,162 @@
+"""Control of the lengths, on a plant whose every number is known."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from bha_pressure_ctrl.equilibrium_model import Array, EquilibriumModel
+from bha_pressure_ctrl.length_controller import LengthController, LengthControllerSettings
+
+PERIOD = 0.02
+MAX_PRESSURE = 1.3e5
+MIDDLE = np.full(9, 0.2)
+# Each bellows pushes its neighbour a little.
+SLOPE = 5e5 * (np.eye(9) + 0.15 * np.roll(np.eye(9), 1, axis=0))
+MODEL = EquilibriumModel(MIDDLE, np.full(9, 6e4), SLOPE, 100.0, 60)
+COMMAND = 0.2 + 0.02 * np.sin(np.arange(9.0))
+
+
+class Plant:
+    """Bellows that follow the inverse of the model with a lag, some of it not as the model says."""
+
+    def __init__(self, lag: float = 0.4, stiffness: float = 1.0, offset: float = 0.0) -> None:
+        self._share = 1.0 - np.exp(-PERIOD / lag)
+        self._compliance = np.linalg.inv(stiffness * SLOPE)
+        self._offset = offset
+        self.lengths = MIDDLE + offset
+
+    def step(self, pressures: Array) -> None:
+        rest = MIDDLE + self._compliance @ (pressures - 6e4) + self._offset
+        self.lengths = self.lengths + self._share * (rest - self.lengths)
+
+
+def controller(**gains: float) -> LengthController:
+    return LengthController(
+        MODEL, LengthControllerSettings(**gains), max_pressure=MAX_PRESSURE, period=PERIOD
+    )
+
+
+def run(control: LengthController, plant: Plant, command: Array, seconds: float) -> Array:
+    """Control for a while; return all lengths, shape (ticks, 9)."""
+    lengths = []
+    for _ in range(round(seconds / PERIOD)):
+        plant.step(control.update(command, plant.lengths))
+        lengths.append(plant.lengths)
+    return np.array(lengths)
+
+
+def test_with_a_perfect_model_the_feed_forward_is_the_answer() -> None:
+    pressures = controller().update(COMMAND, COMMAND)
+    np.testing.assert_allclose(pressures, MODEL.pressures(COMMAND))
+
+
+def test_is_the_sum_of_its_three_terms() -> None:
+    control, lengths = controller(proportional_gain=2e5, integral_gain=1e6), COMMAND - 1e-3
+    expected = MODEL.pressures(COMMAND) + 2e5 * 1e-3
+    for tick in range(1, 6):
+        pressures = control.update(COMMAND, lengths)
+        np.testing.assert_allclose(pressures, expected + tick * 1e6 * PERIOD * 1e-3)
+
+
+@pytest.mark.parametrize("lag", [0.1, 0.4, 1.0])
+@pytest.mark.parametrize("stiffness", [0.8, 1.0, 1.3])
+@pytest.mark.parametrize("offset", [-0.01, 0.0, 0.01])
+def test_comes_to_the_command_whatever_the_model_does_not_know(
+    lag: float, stiffness: float, offset: float
+) -> None:
+    """Stiffness 20 to 30 % off and rest lengths 1 cm off: the integral finds the rest."""
+    plant = Plant(lag, stiffness, offset)
+    lengths = run(controller(), plant, COMMAND, 20.0)
+    assert np.abs(lengths[-1] - COMMAND).max() < 1e-5
+    assert np.abs(lengths - COMMAND).max() < 0.05  # without wild swings on the way
+
+
+def test_without_the_integral_an_error_stays() -> None:
+    """The test above can fail."""
+    lengths = run(controller(integral_gain=0.0), Plant(offset=0.01), COMMAND, 20.0)
+    assert np.abs(lengths[-1] - COMMAND).max() > 3e-3
+
+
+def test_what_the_integral_has_found_is_kept_for_the_next_command() -> None:
+    """Creep and drift do not go away with a new command."""
+    plant, control = Plant(offset=0.01), controller()
+    run(control, plant, COMMAND, 20.0)
+    following = run(control, plant, COMMAND + 0.005, 5.0)
+    fresh = run(controller(), Plant(offset=0.01), COMMAND + 0.005, 5.0)
+    assert (
+        np.abs(following[50] - COMMAND - 0.005).max()
+        < 0.5 * np.abs(fresh[50] - COMMAND - 0.005).max()
+    )
+
+
+def test_reset_forgets_the_integral() -> None:
+    control = controller()
+    first = control.update(COMMAND, COMMAND - 0.01)
+    assert (control.update(COMMAND, COMMAND - 0.01) > first).all()
+    control.reset()
+    np.testing.assert_array_equal(control.update(COMMAND, COMMAND - 0.01), first)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    hnp.arrays(np.float64, (6, 2, 9), elements=st.floats(-1e3, 1e3)),
+    st.floats(0.0, 2e6),
+    st.floats(0.0, 5e6),
+)
+def test_pressures_are_always_in_range(values: Array, proportional: float, integral: float) -> None:
+    control = controller(proportional_gain=proportional, integral_gain=integral)
+    for command, lengths in values:
+        pressures = control.update(command, lengths)
+        assert pressures.shape == (9,)
+        assert (pressures >= 0.0).all()
+        assert (pressures <= MAX_PRESSURE).all()
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("seconds", [5.0, 300.0])
+def test_recovers_at_once_from_a_command_out_of_reach(side: float, seconds: float) -> None:
+    """However long it was at the end of its range: as fast as one that has not been there."""
+    plant, control = Plant(), controller()
+    run(control, plant, MIDDLE + side * 0.3, seconds)
+    ends = control.update(MIDDLE + side * 0.3, plant.lengths)
+    np.testing.assert_array_equal(ends, MAX_PRESSURE if side > 0 else 0.0)
+
+    fresh_plant = Plant()
+    fresh_plant.lengths = plant.lengths
+    fresh = run(controller(), fresh_plant, COMMAND, 15.0)
+    lengths = run(control, plant, COMMAND, 15.0)
+    overshoot = -side * (lengths - COMMAND)
+    # What the linear controller itself overshoots, and 2 mm for what it had integrated before.
+    assert overshoot.max() <= (-side * (fresh - COMMAND)).max() + 2e-3
+    late = np.abs(lengths - COMMAND).max(axis=1) > 1e-3
+    late_fresh = np.abs(fresh - COMMAND).max(axis=1) > 1e-3
+    assert late.nonzero()[0].max() <= late_fresh.nonzero()[0].max() + round(2.0 / PERIOD)
+
+
+def test_one_bellows_at_its_end_leaves_the_others_in_control() -> None:
+    command = COMMAND.copy()
+    command[4] = 0.6
+    plant = Plant(offset=0.005)
+    lengths = run(controller(), plant, command, 30.0)
+    others = np.arange(9) != 4
+    assert np.abs(lengths[-1] - command)[others].max() < 1e-4
+
+
+def test_does_not_change_what_it_is_given() -> None:
+    command, lengths = COMMAND.copy(), MIDDLE.copy()
+    controller().update(command, lengths)
+    np.testing.assert_array_equal(command, COMMAND)
+    np.testing.assert_array_equal(lengths, MIDDLE)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"proportional_gain": -1.0}, {"proportional_gain": 3e6}, {"integral_gain": float("nan")}],
+)
+def test_gains_out_of_range(wrong: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=next(iter(wrong))):
+        LengthControllerSettings(**wrong)
