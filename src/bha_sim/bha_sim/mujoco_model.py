@@ -158,11 +158,8 @@ def _add_pieces(
     trunk, n = parameters.trunk, parameters.trunk.discs_per_segment
     segment, chamber = divmod(index, bellows.CHAMBERS)
     radius, angle = trunk.bellows_radii[segment], _ANGLES[chamber]
-    disc_factors = parameters.bellows.disc_factors
     for disc in range(n):
-        lasting = n * parameters.bellows.stiffness[index]
-        if disc_factors is not None:
-            lasting = lasting * disc_factors[index, disc]
+        lasting = parameters.bellows.piece_stiffness[index, disc]
         tendon = spec.add_tendon(
             name=f"piece_{disc + 1}_of_{name}",
             stiffness=[lasting * factors[index * n + disc], 0.0, 0.0],

@@ -72,14 +72,17 @@ class Bellows(Section):
     areas : Effective area, force over pressure [m^2], shape (9,).
     hardening : Cubic stiffness of a whole bellows [N/m^3], shape (9,).
     hardening_extension : Extension about which the cubic term acts [m], shape (9,).
-    disc_factors : Stiffness of each disc's piece over its equal share [-], shape (9, discs); None
-        stands for ones.
+    disc_profile : Stiffness of the pieces from the base of a segment to its end, in proportion to
+        each other [-], shape (discs,).
+    disc_factors : Stiffness of each piece over that of the profile, in proportion to the others of
+        its bellows [-], shape (9, discs); None stands for ones.
     """
 
     stiffness: Array
     areas: Array
     hardening: Array
     hardening_extension: Array
+    disc_profile: Array
     disc_factors: Array | None = None
     _name = "bellows"
 
@@ -88,8 +91,22 @@ class Bellows(Section):
         self._array("areas", (_COUNT,))
         self._array("hardening", (_COUNT,), above=False)
         self._array("hardening_extension", (_COUNT,), above=False)
+        discs = self._rows("disc_profile")
+        self._array("disc_profile", (discs,))
         if self.disc_factors is not None:
-            self._array("disc_factors", (_COUNT, np.shape(self.disc_factors)[-1]))
+            self._array("disc_factors", (_COUNT, discs))
+
+    @property
+    def piece_stiffness(self) -> Array:
+        """Stiffness of each disc's piece [N/m], shape (9, discs).
+
+        The pieces of a bellows, in series, have the stiffness of the bellows.
+        """
+        proportions = np.tile(self.disc_profile, (_COUNT, 1))
+        if self.disc_factors is not None:
+            proportions = proportions * self.disc_factors
+        in_series: Array = 1.0 / np.sum(1.0 / proportions, axis=1)
+        return proportions * (self.stiffness / in_series)[:, None]
 
 
 @dataclass(frozen=True, eq=False)

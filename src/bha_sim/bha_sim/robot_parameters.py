@@ -61,24 +61,17 @@ class RobotParameters(Section):
             if not isinstance(getattr(self, name), kind):
                 self._fail(name, f"a {kind.__name__}")
         discs = self.trunk.discs_per_segment
-        # Ones for what only a drawn robot has, so that all that follows need not ask.
-        bellows, hysteresis = self.bellows, self.hysteresis
-        if bellows.disc_factors is None:
-            bellows = replace(bellows, disc_factors=np.ones((9, discs)))
-            object.__setattr__(self, "bellows", bellows)
-        if hysteresis.slip_factors is None:
-            ones = np.ones((len(hysteresis.slips), 9 * discs))
-            hysteresis = replace(hysteresis, slip_factors=ones)
-            object.__setattr__(self, "hysteresis", hysteresis)
-        for array, columns, name in (
-            (bellows.disc_factors, discs, "bellows.disc_factors"),
-            (hysteresis.slip_factors, 9 * discs, "hysteresis.slip_factors"),
-        ):
-            if array is not None and array.shape[1] != columns:
-                raise RobotParameterError(
-                    f"{name} must have {columns} columns for {discs} discs a segment, "
-                    f"got shape {array.shape}"
-                )
+        if len(self.bellows.disc_profile) != discs:
+            raise RobotParameterError(
+                f"bellows.disc_profile must have {discs} entries for {discs} discs a segment, "
+                f"got {len(self.bellows.disc_profile)}"
+            )
+        factors = self.hysteresis.slip_factors
+        if factors is not None and factors.shape[1] != 9 * discs:
+            raise RobotParameterError(
+                f"hysteresis.slip_factors must have {9 * discs} columns for {discs} discs a "
+                f"segment, got {factors.shape[1]}"
+            )
 
     @classmethod
     def from_mapping(cls, data: Any) -> RobotParameters:
@@ -139,9 +132,6 @@ def draw_robot(parameters: RobotParameters, seed: int) -> RobotParameters:
     relaxation, hysteresis = parameters.relaxation, parameters.hysteresis
     pneumatics, potentiometers = parameters.pneumatics, parameters.potentiometers
     lag = factors(width.lag, 9)
-    pieces = factors(width.disc_stiffness, 9, discs)
-    # In series the pieces keep the stiffness of their bellows.
-    pieces *= np.mean(1.0 / pieces, axis=1, keepdims=True)
     return replace(
         parameters,
         trunk=replace(
@@ -156,7 +146,7 @@ def draw_robot(parameters: RobotParameters, seed: int) -> RobotParameters:
             areas=bellows.areas * factors(width.area, 9),
             hardening=bellows.hardening * factors(width.hardening, 9),
             hardening_extension=bellows.hardening_extension * factors(width.hardening, 9),
-            disc_factors=pieces,
+            disc_factors=factors(width.disc_stiffness, 9, discs),
         ),
         relaxation=replace(
             relaxation,

@@ -31,14 +31,30 @@ def test_shares_a_segment_are_a_row_of_three():
 def test_a_section_copies_what_it_is_given():
     stiffness = np.full(9, 500.0)
     bellows = Bellows(
-        stiffness=stiffness, areas=stiffness, hardening=stiffness, hardening_extension=stiffness
+        stiffness=stiffness,
+        areas=stiffness,
+        hardening=stiffness,
+        hardening_extension=stiffness,
+        disc_profile=np.ones(3),
     )
     stiffness[0] = 0.0
     assert bellows.stiffness[0] == 500.0
 
 
-def test_factors_must_fit_the_number_of_discs():
+def test_lists_must_fit_the_number_of_discs():
     parameters = load_parameters()
-    four = replace(parameters.bellows, disc_factors=np.ones((9, 4)))
-    with pytest.raises(RobotParameterError, match=r"bellows\.disc_factors must have 3 columns"):
+    four = replace(parameters.bellows, disc_profile=np.ones(4))
+    with pytest.raises(RobotParameterError, match=r"bellows\.disc_profile must have 3 entries"):
         replace(parameters, bellows=four)
+    with pytest.raises(RobotParameterError, match=r"bellows\.disc_factors must be .*\(9, 3\)"):
+        replace(parameters.bellows, disc_factors=np.ones((9, 4)))
+    slips = replace(parameters.hysteresis, slip_factors=np.ones((3, 36)))
+    with pytest.raises(RobotParameterError, match=r"slip_factors must have 27 columns"):
+        replace(parameters, hysteresis=slips)
+
+
+def test_pieces_follow_the_profile():
+    parameters = load_parameters().bellows
+    pieces = replace(parameters, disc_profile=[1.0, 1.0, 2.0], stiffness=100.0).piece_stiffness
+    # 1/(1/250 + 1/250 + 1/500) = 100
+    np.testing.assert_allclose(pieces, np.tile([250.0, 250.0, 500.0], (9, 1)))

@@ -134,10 +134,11 @@ def test_a_drawn_robot_lies_within_the_variation(seed):
 
 
 def test_the_pieces_of_a_drawn_bellows_keep_its_stiffness():
-    factors = draw_robot(load_parameters(), 5).bellows.disc_factors
-    assert factors is not None
-    assert np.ptp(factors) > 0.1
-    np.testing.assert_allclose(np.mean(1.0 / factors, axis=1), 1.0, rtol=1e-14)
+    bellows = draw_robot(load_parameters(), 5).bellows
+    pieces = bellows.piece_stiffness
+    assert pieces.shape == (9, 3)
+    assert np.ptp(pieces / bellows.stiffness[:, None]) > 0.1
+    np.testing.assert_allclose(1.0 / np.sum(1.0 / pieces, axis=1), bellows.stiffness, rtol=1e-14)
 
 
 def test_a_seed_names_a_robot():
