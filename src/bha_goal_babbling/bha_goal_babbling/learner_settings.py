@@ -16,7 +16,7 @@ class LearnerSettings:
         1, "Length commands that one step of exploration lasts", low=1, high=1000
     )
     observation_span: float = setting(
-        0.2, "Time over which lengths and tip are averaged for one observation [s]", low=0.0
+        0.2, "Time over which lengths and tip are averaged for one observation [s]", low=1e-3
     )
     settling_time: float = setting(
         15.0, "Time for the way to where exploration begins [s]", low=0.0, high=600.0
@@ -25,7 +25,7 @@ class LearnerSettings:
         0.02, "Largest mean error of the lengths at which exploration may begin [m]", low=0.0
     )
     rest_distance: float = setting(
-        0.0005, "Motion of the tip over `rest_time` below which it is at rest [m]", low=0.0
+        0.001, "Motion of the tip over `rest_time` below which it is at rest [m]", low=0.0
     )
     rest_time: float = setting(3.0, "Time over which the tip must be at rest [s]", low=0.5)
     reach_timeout: float = setting(
