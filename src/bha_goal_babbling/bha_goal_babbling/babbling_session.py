@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from bha_goal_babbling.arrays import FloatArray
+from bha_goal_babbling.arrays import LARGEST, FloatArray
 from bha_goal_babbling.errors import GoalBabblingError
 from bha_goal_babbling.goal_babbler import GoalBabbler
 from bha_goal_babbling.learner_settings import LearnerSettings
@@ -58,6 +58,7 @@ class BabblingSession:
         self._elapsed = 0
         self._command = task.home_action if babbler is None else babbler.ask()
         self._next_observation = self._settling
+        self._follows = False
 
     @property
     def elapsed(self) -> float:
@@ -80,7 +81,8 @@ class BabblingSession:
         Parameters
         ----------
         observation : Observation
-            Lengths and tip now. Without a tip nothing is learned and the robot waits.
+            Lengths and tip now. Without a tip, or with an absurd one, nothing is learned and the
+            robot waits.
 
         Returns
         -------
@@ -92,9 +94,11 @@ class BabblingSession:
         NotFollowingError
             When the lengths are far from the command after the time to settle.
         """
-        if self._elapsed >= self._next_observation and observation.tip is not None:
-            if self._elapsed == self._settling:
+        if self._elapsed >= self._next_observation and _usable(observation):
+            assert observation.tip is not None
+            if not self._follows:
                 self._check_following(observation)
+                self._follows = True
             self._command = self._step(observation.lengths, self._task.outcome(observation.tip))
             self._next_observation = self._elapsed + self._settings.step_periods
         self._elapsed += 1
@@ -125,3 +129,11 @@ class BabblingSession:
                 f"{self._settings.settling_time:g} s; does the pressure controller have a model "
                 "(identify), and is the robot under pressure?"
             )
+
+
+def _usable(observation: Observation) -> bool:
+    """Tell whether a babbler would take an observation; one wrong reading ends no exploration."""
+    if observation.tip is None:
+        return False
+    seen = np.concatenate([observation.lengths, observation.tip])
+    return bool((np.abs(seen) <= LARGEST).all())  # false for NaN as well

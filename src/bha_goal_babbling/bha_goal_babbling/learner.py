@@ -10,13 +10,16 @@ from collections.abc import Callable
 import numpy as np
 
 from bha_goal_babbling.arrays import FloatArray
-from bha_goal_babbling.babbling_session import BabblingSession, NotFollowingError
+from bha_goal_babbling.babbling_session import BabblingSession
 from bha_goal_babbling.errors import GoalBabblingError
 from bha_goal_babbling.goal_babbler import GoalBabbler
 from bha_goal_babbling.learner_settings import LearnerSettings
 from bha_goal_babbling.observation_window import Observation, ObservationWindow
 from bha_goal_babbling.reach import Reach
 from bha_goal_babbling.task import Task
+
+_TARGET_MARGIN = 0.2
+"""How far outside of the task's region a target may lie [m]: feedback corrects by 0.15 m."""
 
 
 class RefusedError(GoalBabblingError):
@@ -190,10 +193,14 @@ class Learner:
         Raises
         ------
         RefusedError
-            When it cannot be done now.
+            When it cannot be done now, or the target lies far outside.
         """
         self._check_free()
-        command = self._inverse(self.task.outcome(target))
+        goal = self.task.outcome(target)
+        reason = self.task.why_refused(goal, _TARGET_MARGIN)
+        if reason is not None:
+            raise RefusedError(f"the target is refused: {reason}")
+        command = self._inverse(goal)
         self._reach = None
         self._resting = self.HOLDING
         self._command = command
@@ -236,6 +243,11 @@ class Learner:
                 f"the model has {babbler.home_outcome.size} coordinates, but task "
                 f"{self.task.name} has {self.task.outcome_size}"
             )
+        actions = babbler.inverse(babbler.home_outcome).size
+        if actions != self.task.home_action.size:
+            raise RefusedError(
+                f"the model has {actions} lengths, but this robot has {self.task.home_action.size}"
+            )
         self.babbler = babbler
         self.exploration_time = exploration_time
 
@@ -247,7 +259,7 @@ class Learner:
             return
         try:
             self._command = session.update(observation)
-        except NotFollowingError as error:
+        except GoalBabblingError as error:
             self._failure = str(error)
             self._end_session()
             return
