@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from bha_goal_babbling.task import find_task
+
 NAMESPACE = "/bha"
 ROBOTS = ("sim",)
 
@@ -58,7 +60,13 @@ class GraphSettings:
 
 
 def describe_graph(settings: GraphSettings) -> list[NodeDescription]:
-    """Tell which nodes to start, in the order of starting."""
+    """Tell which nodes to start, in the order of starting.
+
+    Raises
+    ------
+    InvalidTaskError
+        When feedback is wanted for a task file that cannot be used.
+    """
     models = settings.models
     name = f"bha_sim_{settings.seed}" if settings.robot == "sim" else "bha"
 
@@ -99,7 +107,7 @@ def describe_graph(settings: GraphSettings) -> list[NodeDescription]:
         ),
     ]
     if settings.feedback:
-        axes = 2 if settings.space == "2d" else 3
+        axes = find_task(settings.space).outcome_size
         nodes.append(
             NodeDescription("bha_cartesian_feedback", "cartesian_feedback", {"axes": axes})
         )

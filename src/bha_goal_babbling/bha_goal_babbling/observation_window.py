@@ -38,7 +38,7 @@ class ObservationWindow:
     """
 
     def __init__(self, span: int) -> None:
-        self._span = span
+        self._span = max(span, 1)
         self._lengths: deque[tuple[int, FloatArray]] = deque()
         self._tips: deque[tuple[int, FloatArray]] = deque()
 
