@@ -23,7 +23,8 @@ THERE = np.array([0.1, 0.2, 0.7])
 
 def off(x: float, y: float, z: float) -> FloatArray:
     """Return a tip that far from where it should be."""
-    return np.add(THERE, [x, y, z])
+    tip: FloatArray = THERE + np.array([x, y, z])
+    return tip
 
 
 def reach(tolerance: float = 0.0, timeout: float = 0.0) -> Reach:
