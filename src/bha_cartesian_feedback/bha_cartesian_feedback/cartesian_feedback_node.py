@@ -12,6 +12,7 @@ from geometry_msgs.msg import Point, PointStamped, PoseStamped
 from numpy.typing import NDArray
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle
+from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.task import Future
 from std_msgs.msg import Bool
 
@@ -30,6 +31,8 @@ from bha_common.stamps import StreamClock
 
 Array = NDArray[np.float64]
 _MAX_GAP = 10.0  # [s] between two tips; more is doubted
+_HANDOVER = 3.0  # [s] of robot time within which the learner follows the targets
+_LEARNER_TIMEOUT = 2.0  # [s] of wall time
 _ACCEPTING = {LearningStatus.IDLE, LearningStatus.REACHING, LearningStatus.HOLDING}
 
 
@@ -56,11 +59,16 @@ class CartesianFeedback(BhaNode):
         self._tip: Array | None = None
         self._integrator: GoalIntegrator | None = None
         self._mode = ""
+        self._stopped = False
+        self._began = 0  # robot time [ns]
         self._reached: Future | None = None
         self._targets = self.create_publisher(PointStamped, "target", CONTROL_QOS)
         self.subscribe_stream(PoseStamped, "tip", self._take_tip)
-        self.create_subscription(LearningStatus, "learning_status", self._take_status, 1)
+        self.create_subscription(LearningStatus, "learning_status", self._take_status, 10)
         self.create_subscription(Bool, "emergency_stop_active", self._take_stop, LATCHED_QOS)
+        # Apart from the services: one of them waits for the learner's answer.
+        self._calls = ReentrantCallbackGroup()
+        self._learner = self.create_client(SetGoal, "learner/set_goal", callback_group=self._calls)
         self.create_service(SetGoal, "~/set_goal", self._set_goal)
         self._action = ActionServer(
             self,
@@ -84,11 +92,15 @@ class CartesianFeedback(BhaNode):
 
     def _take_status(self, message: LearningStatus) -> None:
         self._mode = message.mode
-        if message.mode not in _ACCEPTING:
+        # It takes the first target as the goal it has begun with; later it has one of its own.
+        since = (nanoseconds(message.header.stamp) - self._began) * 1e-9
+        overtaken = message.mode == LearningStatus.REACHING and since > _HANDOVER
+        if overtaken or message.mode not in _ACCEPTING:
             self._end()
 
     def _take_stop(self, message: Bool) -> None:
-        if message.data:
+        self._stopped = bool(message.data)
+        if self._stopped:
             self._end()
 
     def _end(self) -> None:
@@ -98,7 +110,7 @@ class CartesianFeedback(BhaNode):
             self._reached.set_result(None)
             self._reached = None
 
-    def _begin(
+    async def _begin(
         self, goal: PointStamped, tolerance: float = 0.0, timeout: float = 0.0
     ) -> GoalIntegrator:
         point = goal_from(goal)
@@ -109,9 +121,11 @@ class CartesianFeedback(BhaNode):
             raise MessageError("no tip was seen yet: is the tracker running?")
         if not self._mode:
             raise MessageError("no learning_status was seen yet: is the learner running?")
-        if self._mode not in _ACCEPTING:
-            raise MessageError(f"the learner accepts no targets now: it is {self._mode}")
+        await self._go_feedforward(goal)
+        if self._stopped or self._mode not in _ACCEPTING:
+            raise MessageError("the learner accepts no targets now")
         self._end()
+        self._began = self._robot_clock.now
         self._integrator = GoalIntegrator(
             self._settings,
             point,
@@ -122,9 +136,32 @@ class CartesianFeedback(BhaNode):
         )
         return self._integrator
 
-    def _set_goal(self, request: SetGoal.Request, response: SetGoal.Response) -> SetGoal.Response:
+    async def _go_feedforward(self, goal: PointStamped) -> None:
+        """Let the learner begin the movement: it alone knows which goals it can be given."""
+        if not self._learner.service_is_ready():
+            raise MessageError("the learner's set_goal is not there: is the learner running?")
+        answered = Future()
+
+        def end(future: Future | None = None) -> None:
+            if not answered.done():
+                answered.set_result(None if future is None else future.result())
+
+        timer = self.create_timer(
+            _LEARNER_TIMEOUT, end, callback_group=self._calls, clock=self.steady_clock
+        )
+        self._learner.call_async(SetGoal.Request(goal=goal)).add_done_callback(end)
+        answer = await answered
+        self.destroy_timer(timer)
+        if answer is None:
+            raise MessageError(f"the learner did not answer within {_LEARNER_TIMEOUT:g} s")
+        if not answer.accepted:
+            raise MessageError(answer.message)
+
+    async def _set_goal(
+        self, request: SetGoal.Request, response: SetGoal.Response
+    ) -> SetGoal.Response:
         try:
-            integrator = self._begin(request.goal)
+            integrator = await self._begin(request.goal)
             response.accepted = True
             response.message = f"on the way to {np.round(integrator.goal, 4).tolist()} m"
         except MessageError as error:
@@ -134,7 +171,7 @@ class CartesianFeedback(BhaNode):
     async def _reach(self, handle: ServerGoalHandle) -> ReachGoal.Result:
         result, request = ReachGoal.Result(), handle.request
         try:
-            integrator = self._begin(request.goal, request.tolerance, request.timeout)
+            integrator = await self._begin(request.goal, request.tolerance, request.timeout)
         except MessageError as error:
             result.message = str(error)
             handle.abort()

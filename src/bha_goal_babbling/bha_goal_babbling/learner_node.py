@@ -145,6 +145,9 @@ class LearnerNode(BhaNode):
     def _take_target(self, message: PointStamped) -> None:
         target, stamp = goal_from(message, frame_needed=True), nanoseconds(message.header.stamp)
         check_command_stamp(stamp, self._robot_clock.now, self._settings.max_age)
+        reach = self._learner.reach
+        if reach is not None and not np.array_equal(self._learner.task.outcome(target), reach.goal):
+            raise MessageError("a goal that was set goes before targets until the tip is there")
         try:
             self._learner.follow(target)
         except RefusedError as error:
