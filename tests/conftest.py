@@ -6,7 +6,7 @@ import contextlib
 import os
 import shutil
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,9 +19,7 @@ from bha_bringup.graph import GraphSettings
 from bha_bringup.in_process import InProcessRobot
 from bha_goal_babbling.checkpoint import Checkpoint, save_checkpoint
 from bha_goal_babbling.task import find_task
-from running_graph import ROBOT, RUNNING, RunningGraph, describe
-
-StartGraph = Callable[..., RunningGraph]
+from running_graph import ROBOT, RUNNING, RunningGraph, StartGraph, describe
 
 
 @pytest.hookimpl(hookwrapper=True)

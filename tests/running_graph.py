@@ -44,6 +44,9 @@ ROBOT = "bha_sim_0"
 PATIENCE = 60.0
 """Wall time that a wait may last [s]: much longer than it takes on a machine that is busy."""
 
+StartGraph = Callable[..., "RunningGraph"]
+"""Starts a graph; the parameters are those of the function in conftest.py."""
+
 RUNNING: list[RunningGraph] = []
 """The graphs that run now, for the report of a failure."""
 

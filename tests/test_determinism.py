@@ -13,7 +13,7 @@ from bha_common.ros_messages import lengths_from, nanoseconds
 from bha_goal_babbling.checkpoint import Checkpoint, load_checkpoint
 from bha_goal_babbling.task import find_task
 from bha_pressure_ctrl.equilibrium_model import EquilibriumModel
-from running_graph import ROBOT, RunningGraph
+from running_graph import ROBOT, RunningGraph, StartGraph
 
 pytestmark = pytest.mark.graph
 
@@ -64,7 +64,9 @@ def explore_in_process(
     return checkpoint, commands, len(samples)
 
 
-def test_the_graph_learns_what_one_process_learns_bit_for_bit(start_graph, trained: Path) -> None:
+def test_the_graph_learns_what_one_process_learns_bit_for_bit(
+    start_graph: StartGraph, trained: Path
+) -> None:
     graph = start_graph(models=("equilibrium_model",), start_paused=True)
     over_ros, commands_over_ros = explore_over_ros(graph)
     in_process, commands_in_process, samples = explore_in_process(trained / "equilibrium_model.npz")
