@@ -206,9 +206,7 @@ class TestLaunchFile:
             if field.name in launch_arguments():
                 default = launch_arguments()[field.name][0]
                 value = field.default
-                assert default == (
-                    as_text[value] if isinstance(value, bool | None) else str(value)  # type: ignore[index]
-                )
+                assert default == (as_text[value] if isinstance(value, bool | None) else str(value))
 
     def test_every_argument_is_described(self) -> None:
         for default, description, choices in launch_arguments().values():
