@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bha_sim.constant_curvature import tip_pose
-from bha_sim.plant import Plant, PlantState
+from bha_sim.plant import Plant
+from bha_sim.plant_state import PlantState
 
 Array = NDArray[np.float64]
 
