@@ -64,14 +64,11 @@ def demo(
         "and keeps what was learned."
     )
     record = DemoRecord(settings)
-    try:
-        with owning_graph():
-            run_demo(record, console)
-    finally:
-        if record.learning_curve:  # also of a run that was interrupted
-            page = write_report(record, folder)
-            console.print(error_table(record))
-            _tell_files(folder, page)
+    with owning_graph():
+        run_demo(record, console)
+    page = write_report(record, folder)
+    console.print(error_table(record))
+    _tell_files(folder, page)
     console.print(
         "\nWhat to do next:\n"
         f"  ./bha up --space {space} --seed {seed} --models {folder / 'models'}\n"

@@ -82,9 +82,9 @@ class _Demo:
 
     def run(self, nodes: list[NodeDescription]) -> None:
         with self._progress("start", "{task.fields[note]}") as (bar, line):
-            bar.update(line, total=1, note="")
+            bar.update(line, total=1, note=f"{len(nodes)} nodes in lockstep")
             self._robot.wait_for_graph({node.executable for node in nodes})
-            bar.update(line, completed=1, note=", ".join(node.executable for node in nodes))
+            bar.update(line, completed=1)
         self._identify()
         self._babble()
         self._reach_goals()
@@ -97,7 +97,7 @@ class _Demo:
                 bar.update(
                     line,
                     completed=feedback.collected,
-                    note=f"settled postures, {feedback.elapsed / 60:.1f} robot min",
+                    note=f"settled postures in {feedback.elapsed / 60:.1f} robot min",
                 )
 
             result = self._robot.identify(self._settings.identification_samples, tell)
@@ -106,7 +106,7 @@ class _Demo:
             bar.update(
                 line,
                 completed=result.samples,
-                note=f"settled postures, pressures within {result.pressure_error / 1e3:.1f} kPa",
+                note=f"settled postures, fit to {result.pressure_error / 1e3:.1f} kPa",
             )
 
     def _babble(self) -> None:
@@ -126,8 +126,8 @@ class _Demo:
                 bar.update(
                     line,
                     completed=feedback.elapsed / 60.0,
-                    note=f"min, {status.movements} movements, {status.local_models} local maps, "
-                    f"recent error {status.recent_error * 1e3:.0f} mm, {factor:.0f} x real time",
+                    note=f"min, {status.movements} movements, {status.local_models} maps, "
+                    f"{status.recent_error * 1e3:.0f} mm, {factor:.0f}x",
                 )
 
             result = self._robot.babble(duration, progress=tell)
@@ -166,7 +166,7 @@ class _Demo:
 
     def _reach_note(self, kind: str, words: str) -> str:
         errors = self._record.errors(kind)
-        return f"movements, {words} error {np.mean(errors) * 1e3:.1f} mm on average"
+        return f"reached, {words} {np.mean(errors) * 1e3:.1f} mm on average"
 
     @contextmanager
     def _phase(self, name: str) -> Iterator[tuple[Progress, TaskID]]:
@@ -182,7 +182,7 @@ class _Demo:
     def _progress(self, name: str, columns: str) -> Iterator[tuple[Progress, TaskID]]:
         with Progress(
             TextColumn("{task.description:<9}"),
-            BarColumn(bar_width=24),
+            BarColumn(bar_width=12),
             TimeElapsedColumn(),
             TextColumn(columns),
             console=self._console,

@@ -34,8 +34,7 @@ def write_report(record: DemoRecord, folder: Path) -> Path:
         "|---|---|---|---|",
         *(f"| {name} | {' | '.join(cells)} |" for name, *cells in error_rows(record)),
         "",
-        f"Errors count {', '.join(record.axes)}. "
-        + ("" if record.complete else "This run was interrupted: the figures are of a part."),
+        f"Errors count {', '.join(record.axes)}.",
         "",
     ]
     for path in figures:
