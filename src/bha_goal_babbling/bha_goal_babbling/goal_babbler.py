@@ -14,7 +14,6 @@ drifting. Nothing here knows time, files or a robot.
 """
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,16 +24,12 @@ from bha_goal_babbling.errors import InvalidArrayError, InvalidConfigError, Wron
 from bha_goal_babbling.exploration_noise import ExplorationNoise
 from bha_goal_babbling.goal_paths import GoalPaths
 from bha_goal_babbling.inverse_model import InverseModel
-from bha_goal_babbling.local_linear_map import LocalLinearMaps
 from bha_goal_babbling.movements import Movements, restored_targets
 from bha_goal_babbling.random_state import generator_settings, restored_generator
-from bha_goal_babbling.sample_weights import SampleWeights
+from bha_goal_babbling.recent_error import RecentError
 from bha_goal_babbling.saved_state import SavedState
+from bha_goal_babbling.scaled_model import ScaledModel
 from bha_goal_babbling.target_source import TargetSource
-
-_RESTORE_MODEL: dict[str, Callable[[SavedState], InverseModel]] = {
-    LocalLinearMaps.kind: LocalLinearMaps.restore,
-}
 
 
 class GoalBabbler:
@@ -96,27 +91,19 @@ class GoalBabbler:
             config.home_probability,
             config.path_steps,
         )
-        self._model: InverseModel = model or LocalLinearMaps(
-            config.map_distance / config.outcome_scale,
-            config.learning_rate,
-            self._home_outcome / config.outcome_scale,
-            self._home_action / config.action_scale,
+        self._learned = (
+            ScaledModel.at_home(config, self._home_action, self._home_outcome)
+            if model is None
+            else ScaledModel(config, model)
         )
         self._rng = rng
         self._noise = ExplorationNoise(config.noise_spread, config.noise_step, m, n, rng)
         self._noise_origin = np.zeros(n) if config.noise_origin == "zero" else self._home_outcome
-        self._weights = SampleWeights(
-            config.efficiency_limit,
-            config.efficiency == "relative",
-            config.action_resolution / config.action_scale,
-            config.outcome_resolution / config.outcome_scale,
-        )
         self._pending: FloatArray | None = None
         self._action = self._home_action  # the last q that was executed
         self._outcome = self._home_outcome  # and the x that came of it
         self._samples = 0
-        self._error = math.nan
-        self._error_count = 0
+        self._error = RecentError(config.error_window)
 
     @property
     def movements(self) -> int:
@@ -131,7 +118,7 @@ class GoalBabbler:
     @property
     def local_maps(self) -> int:
         """Number of local models."""
-        return self._model.count
+        return self._learned.model.count
 
     @property
     def recent_error(self) -> float:
@@ -142,7 +129,7 @@ class GoalBabbler:
         left out. The exploratory noise is part of it, so it stays somewhat above the error of
         `inverse`. NaN before the first such end.
         """
-        return self._error
+        return self._error.value
 
     @property
     def going_home(self) -> bool:
@@ -162,7 +149,7 @@ class GoalBabbler:
     @property
     def model(self) -> InverseModel:
         """The inverse model, in scaled units."""
-        return self._model
+        return self._learned.model
 
     def ask(self) -> FloatArray:
         """Return the action to execute now, shape (m,), within the limits.
@@ -202,13 +189,15 @@ class GoalBabbler:
         outcome_step = outcome - self._outcome
         miss = outcome - self._movements.target
         if learn:
-            self._learn(action, outcome, action - self._action, outcome_step)
+            going_home = self._movements.going_home
+            target_step = None if going_home else self._movements.target_step
+            self._learned.learn(action, outcome, action - self._action, outcome_step, target_step)
         # Also across movements the last step is carried on, so that no example is lost.
         self._action, self._outcome = action, outcome
         self._pending = None
         self._samples += 1
         if self._movements.advance(outcome_step) and learn and not self._movements.going_home:
-            self._update_error(math.sqrt(float(miss.dot(miss))))
+            self._error.add(math.sqrt(float(miss.dot(miss))))
 
     def inverse(self, goal: ArrayLike) -> FloatArray:
         """Return g(x*) without noise, within the limits.
@@ -225,27 +214,8 @@ class GoalBabbler:
         """
         n = self._home_outcome.size
         if np.ndim(goal) == 2:
-            scaled = matrix("goal", goal, n) / self.config.outcome_scale
-            return self._clipped(self._model.predict_many(scaled) * self.config.action_scale)
-        return self._clipped(self._predicted(vector("goal", goal, n)))
-
-    def relocate(self, action: ArrayLike, outcome: ArrayLike) -> None:
-        """Drop the present movement and start the next from where the robot is now.
-
-        For use after somebody else has moved the robot: to a goal, or while the learner was away.
-
-        Parameters
-        ----------
-        action : array_like
-            The action the robot is at, as measured, shape (m,).
-        outcome : array_like
-            The outcome it has there, shape (n,).
-        """
-        action = vector("action", action, self._home_action.size)
-        outcome = vector("outcome", outcome, self._home_outcome.size)
-        self._action, self._outcome = action, outcome
-        self._pending = None
-        self._movements.abandon(outcome)
+            return self._clipped(self._learned.predict_many(matrix("goal", goal, n)))
+        return self._clipped(self._learned.predict(vector("goal", goal, n)))
 
     def state(self) -> SavedState:
         """Return everything that `restore` needs, the state of the generator included."""
@@ -258,20 +228,17 @@ class GoalBabbler:
             "last_action": self._action,
             "last_outcome": self._outcome,
             "pending": np.array(pending),
-            "error": np.array([self._error]),
         }
         settings = {
             "config": self.config.as_mapping(),
-            "model_kind": self._model.kind,
             "generator": generator_settings(self._rng),
             "samples": self._samples,
-            "error_count": self._error_count,
         }
         return SavedState(arrays, settings).joined(
-            model=self._model.state(),
+            learned=self._learned.state(),
             movements=self._movements.state(),
             noise=self._noise.state(),
-            weights=self._weights.state(),
+            error=self._error.state(),
         )
 
     @classmethod
@@ -284,65 +251,37 @@ class GoalBabbler:
             If something in the snapshot is missing or does not fit together.
         """
         arrays, settings = state.arrays, state.settings
-        kind = settings["model_kind"]
-        if kind not in _RESTORE_MODEL:
-            raise InvalidConfigError(f"unknown model {kind!r}; known: {', '.join(_RESTORE_MODEL)}")
+        config = GoalBabblerConfig.from_mapping(settings["config"])
+        learned = ScaledModel.restore(config, state.part("learned"))
         babbler = cls(
-            GoalBabblerConfig.from_mapping(settings["config"]),
+            config,
             restored_targets(state.part("movements")),
             arrays["home_action"],
             arrays["home_outcome"],
             arrays["action_low"],
             arrays["action_high"],
             np.random.default_rng(0),
-            model=_RESTORE_MODEL[kind](state.part("model")),
+            model=learned.model,
         )
         m, n = babbler._home_action.size, babbler._home_outcome.size
         babbler._rng = restored_generator(settings["generator"])
+        babbler._learned = learned
         babbler._movements.load(state.part("movements"))
         babbler._noise.load(state.part("noise"))
-        babbler._weights.load(state.part("weights"))
+        babbler._error.load(state.part("error"))
         babbler._action = vector("last_action", arrays["last_action"], m)
         babbler._outcome = vector("last_outcome", arrays["last_outcome"], n)
         if len(arrays["pending"]):
             babbler._pending = vector("pending", arrays["pending"][0], m)
         babbler._samples = int(settings["samples"])
-        babbler._error = float(arrays["error"][0])
-        babbler._error_count = int(settings["error_count"])
         return babbler
 
     def _clipped(self, action: FloatArray) -> FloatArray:
         return np.minimum(np.maximum(action, self._low), self._high)
-
-    def _predicted(self, target: FloatArray) -> FloatArray:
-        """Return g(x*) in the unit of actions, shape (m,)."""
-        return self._model.predict(target / self.config.outcome_scale) * self.config.action_scale
 
     def _explored_action(self) -> FloatArray:
         """Return g(x*) + E(x*), shape (m,), equation 3."""
         target = self._movements.target
         self._noise.advance(self._rng)
         noise = self._noise.at((target - self._noise_origin) / self.config.outcome_scale)
-        return self._predicted(target) + noise
-
-    def _learn(
-        self,
-        action: FloatArray,
-        outcome: FloatArray,
-        action_step: FloatArray,
-        outcome_step: FloatArray,
-    ) -> None:
-        action_scale, outcome_scale = self.config.action_scale, self.config.outcome_scale
-        steps = (action_step / action_scale, outcome_step / outcome_scale)
-        if self._movements.going_home:
-            weight = self._weights.of_home_step(*steps)
-        else:
-            weight = self._weights.of_goal_step(self._movements.target_step, *steps)
-        if weight > 0.0:
-            self._model.learn(outcome / outcome_scale, action / action_scale, weight)
-
-    def _update_error(self, error: float) -> None:
-        if math.isnan(self._error):
-            self._error = error
-        self._error_count = min(self._error_count + 1, self.config.error_window)
-        self._error += (error - self._error) / self._error_count
+        return self._learned.predict(target) + noise

@@ -106,11 +106,6 @@ class Movements:
         self.count += self._over
         return self._over
 
-    def abandon(self, outcome: FloatArray) -> None:
-        """End the present movement without counting it; the next starts at an outcome, (n,)."""
-        self._previous = outcome
-        self._over = True
-
     def state(self) -> SavedState:
         """Return what `load` and `restored_targets` need."""
         arrays = {"previous_target": self._previous, "home_path": self._home_path}

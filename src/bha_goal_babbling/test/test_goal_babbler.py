@@ -23,17 +23,16 @@ def arm_babbler(
     seed: int = 0,
     config: GoalBabblerConfig | None = None,
     limit: float = math.pi,
-    unit: float = 1.0,
 ) -> tuple[PlanarArm, GoalBabbler]:
-    """Return an arm, and a learner whose outcomes are in metres divided by `unit`."""
+    """Return an arm, and a learner on it."""
     arm = PlanarArm(joints)
     home = arm.home()
     limits = np.full(joints, limit)
     babbler = GoalBabbler(
         config or GoalBabblerConfig(),
-        arm.goal_grid() / unit,
+        arm.goal_grid(),
         home,
-        arm.forward(home) / unit,
+        arm.forward(home),
         -limits,
         limits,
         np.random.default_rng(seed),
@@ -129,12 +128,16 @@ def test_actions_keep_the_limits() -> None:
 
 
 def test_learns_what_was_executed_not_what_was_wished() -> None:
-    """With joints that run 0.05 rad off, the model gives the measured angles, not the commands."""
-    arm, babbler = arm_babbler()
-    for _ in range(6000):
-        measured = babbler.ask() + 0.05
-        babbler.tell(measured, arm.forward(measured))
-    assert error(arm, babbler) < 0.02
+    """Joints run 0.05 rad off: with the measured angles goals are met, with the commands missed."""
+    arm, measuring = arm_babbler(seed=1)
+    _, wishing = arm_babbler(seed=1)
+    for _ in range(3000):
+        measured = measuring.ask() + 0.05
+        measuring.tell(measured, arm.forward(measured))
+        wished = wishing.ask()
+        wishing.tell(wished, arm.forward(wished + 0.05))
+    assert error(arm, measuring) < 0.03
+    assert error(arm, wishing) > 0.06
 
 
 def test_untrusted_samples_are_not_learned() -> None:
@@ -162,14 +165,14 @@ def test_returns_home() -> None:
     """Movements home end at the home action, and g keeps the way there."""
     arm, babbler = arm_babbler()
     arrivals = []
-    while babbler.movements < 150:
+    while babbler.movements < 100:
         before, going_home = babbler.movements, False
         action = babbler.ask()
         going_home = babbler.going_home
         babbler.tell(action, arm.forward(action))
         if babbler.movements > before and going_home:
             arrivals.append(action)
-    assert len(arrivals) > 5
+    assert len(arrivals) > 3
     np.testing.assert_array_equal(arrivals, np.tile(arm.home(), (len(arrivals), 1)))
     at_home = babbler.inverse(arm.forward(arm.home()))
     assert np.abs(at_home - arm.home()).max() < 0.2
@@ -191,35 +194,6 @@ def test_recent_error_follows_the_ends_of_movements() -> None:
             assert babbler.recent_error == pytest.approx(mean)
 
 
-def test_units_do_not_matter_when_the_scale_follows() -> None:
-    """Outcomes in millimetres with outcome_scale and distances in millimetres: the same actions."""
-    arm, metres = arm_babbler()
-    _, millimetres = arm_babbler(
-        config=GoalBabblerConfig(map_distance=70.0, outcome_scale=1000.0), unit=1e-3
-    )
-    for _ in range(300):
-        a, b = metres.ask(), millimetres.ask()
-        np.testing.assert_allclose(a, b, atol=1e-9)
-        metres.tell(a, arm.forward(a))
-        millimetres.tell(a, 1000.0 * arm.forward(a))
-
-
-def test_relocated_learner_starts_from_there() -> None:
-    """After somebody else moved the robot a new movement begins, and nothing is learned of it."""
-    arm, babbler = arm_babbler()
-    for _ in range(30):
-        step(arm, babbler)
-    babbler.ask()
-    elsewhere = arm.home(0.5, -1)
-    answer = babbler.inverse(arm.goal_grid())
-    babbler.relocate(elsewhere, arm.forward(elsewhere))
-    np.testing.assert_array_equal(babbler.inverse(arm.goal_grid()), answer)
-    with pytest.raises(WrongOrderError):
-        babbler.tell(elsewhere, arm.forward(elsewhere))
-    babbler.ask()
-    assert np.linalg.norm(babbler.target - arm.forward(elsewhere)) < 0.06
-
-
 def test_linear_robot_is_inverted() -> None:
     """On x = F q goals are reached to 1 %, with actions near the shortest there are."""
     rng = np.random.default_rng(0)
@@ -230,7 +204,7 @@ def test_linear_robot_is_inverted() -> None:
     )
     limits = np.full(6, 10.0)
     babbler = GoalBabbler(config, goals, np.zeros(6), np.zeros(2), -limits, limits, rng)
-    for _ in range(6000):
+    for _ in range(4000):
         action = babbler.ask()
         babbler.tell(action, forward @ action)
     actions = babbler.inverse(goals)
@@ -272,7 +246,7 @@ def test_directions_explore_the_workspace() -> None:
         limits,
         np.random.default_rng(0),
     )
-    cells = {tuple(np.floor(arm.forward(step(arm, babbler)) / 0.2)) for _ in range(8000)}
+    cells = {tuple(np.floor(arm.forward(step(arm, babbler)) / 0.2)) for _ in range(5000)}
     assert len(cells) * 0.2**2 > 0.6 * math.pi
 
 

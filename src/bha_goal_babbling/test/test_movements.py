@@ -99,18 +99,6 @@ def test_directions_count_from_the_outcome() -> None:
     assert np.linalg.norm(plan.target_step) == pytest.approx(0.1)
 
 
-def test_abandoned_movement_does_not_count() -> None:
-    """The next movement starts where the robot was put."""
-    plan, rng = movements(0.0), np.random.default_rng(4)
-    plan.prepare(HOME_ACTION, HOME_OUTCOME, rng)
-    plan.advance(np.zeros(2))
-    plan.abandon(np.array([0.3, 0.3]))
-    assert plan.count == 0
-    plan.prepare(HOME_ACTION, HOME_OUTCOME, rng)
-    goal = np.array([0.3, 0.3]) + 4 * plan.target_step
-    assert np.isclose(goal, GOALS).all(axis=1).any()
-
-
 def test_restored_movements_go_on() -> None:
     """A snapshot in the middle of any movement continues it, and chooses the same ones after."""
     plan, rng = movements(0.4), np.random.default_rng(5)
