@@ -372,6 +372,7 @@ def test_files_that_are_named_exist(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
     for name in re.findall(r"`((?:src|docs|tests|benchmarks|docker|tools)/[\w./-]+)`", text):
         assert (ROOT / name).exists(), f"{page_name(page)} names {name}"
-    modules = {path.name for path in ROOT.glob("src/*/*/*.py")}
+    folders = ("src", "tests", "benchmarks", "tools")
+    modules = {path.name for folder in folders for path in ROOT.glob(f"{folder}/**/*.py")}
     for name in re.findall(r"`(\w+\.py)`", text):
         assert name in modules, f"{page_name(page)} names {name}"
