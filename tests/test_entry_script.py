@@ -9,15 +9,33 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-TOOLS = (
-    "bash cat cp cut dirname env find flock grep ln mkdir nproc printf readlink rm sed sha256sum "
-    "sort tail touch uname xargs"
-).split()
+TOOLS = [
+    "bash",
+    "cat",
+    "cp",
+    "cut",
+    "dirname",
+    "env",
+    "find",
+    "flock",
+    "grep",
+    "ln",
+    "mkdir",
+    "nproc",
+    "printf",
+    "readlink",
+    "rm",
+    "sed",
+    "sha256sum",
+    "sort",
+    "tail",
+    "touch",
+    "uname",
+    "xargs",
+]
 
 
-def bha(
-    *arguments: str, root: Path = ROOT, **environment: str
-) -> subprocess.CompletedProcess[str]:
+def bha(*arguments: str, root: Path = ROOT, **environment: str) -> subprocess.CompletedProcess[str]:
     # As a user calls it, so without what ./bha test has put into this process's environment.
     clean = {key: os.environ[key] for key in ("HOME", "PATH") if key in os.environ}
     return subprocess.run(
