@@ -14,6 +14,7 @@ from typing import Annotated
 import numpy as np
 import typer
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from bha_bringup.demo import run_demo
@@ -172,18 +173,19 @@ def reach(x: Point, y: Point, z: Point, feedback: Feedback = False) -> None:
 def status() -> None:
     """Show what every node says of itself."""
     with RobotClient() as robot:
-        robot.wait(lambda: bool(robot.nodes()), timeout=3.0)
-        names = robot.nodes()
-        if not names:
+        if not robot.wait(lambda: bool(robot.nodes()), timeout=5.0):
             raise RobotError("there is no graph in this ROS domain: start one with bha up")
-        robot.wait(lambda: names <= set(robot.diagnostics), timeout=3.0)
+        # Each node speaks once a second: after two, who is silent has nothing to say.
+        robot.wait(lambda: False, timeout=2.2)
+        names = robot.nodes() | set(robot.diagnostics)
         table = Table()
         for title in ("node", "state", "details"):
             table.add_column(title)
         for name in sorted(names):
             said = robot.diagnostics.get(name)
             details = [f"{item.key}: {item.value}" for item in said.values] if said else []
-            table.add_row(name, said.message if said else "silent", "\n".join(details))
+            state = said.message if said else "silent"
+            table.add_row(name, escape(state), escape("\n".join(details)))
     console.print(table)
 
 

@@ -71,7 +71,6 @@ class LearnerNode(BhaNode):
         self._robot_clock = StreamClock(self._robot_restarted, max_gap=_MAX_GAP)
         self._period_ns = round(settings.command_period * 1e9)
         self._due: int | None = None  # time of the command that waits for its tip [ns]
-        self._last_command: int | None = None
         self._saved_at = self._learner.exploration_time
         self._babbled: Future | None = None
         self._reached: Future | None = None
@@ -93,13 +92,14 @@ class LearnerNode(BhaNode):
 
     def _take_lengths(self, message: JointState) -> None:
         lengths, stamp = lengths_from(message), nanoseconds(message.header.stamp)
+        before = self._robot_clock.now
         self._robot_clock.advance(stamp)
         self._learner.see_lengths(stamp, lengths)
         if self._due is not None:
             self._command_if_ready(stamp)
-        before = self._last_command
-        due = before is None or stamp // self._period_ns > before // self._period_ns
-        if due and (before is not None or stamp % self._period_ns == 0):
+        # At each multiple of the period, or when one was passed: stamps may lie anywhere.
+        period = self._period_ns
+        if stamp % period == 0 or (before is not None and stamp // period > before // period):
             self._due = stamp
             self._command_if_ready(stamp)
 
@@ -123,7 +123,7 @@ class LearnerNode(BhaNode):
         waited = now - due >= round(self._settings.tip_timeout * 1e9)
         if not lost and not waited and tip is not None and tip < due:
             return
-        self._due, self._last_command = None, due
+        self._due = None
         lengths = self._learner.update(due)
         if lengths is not None:
             self._commands.publish(lengths_message(due, lengths))
@@ -160,7 +160,7 @@ class LearnerNode(BhaNode):
     def _robot_restarted(self) -> None:
         self.get_logger().warning("the robot's time has begun anew: holding where it is")
         self._learner.robot_restarted()
-        self._due = self._last_command = None
+        self._due = None
         self._settle_actions()
 
     def _set_goal(self, request: SetGoal.Request, response: SetGoal.Response) -> SetGoal.Response:
