@@ -9,30 +9,10 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-TOOLS = [
-    "bash",
-    "cat",
-    "cp",
-    "cut",
-    "dirname",
-    "env",
-    "find",
-    "flock",
-    "grep",
-    "ln",
-    "mkdir",
-    "nproc",
-    "printf",
-    "readlink",
-    "rm",
-    "sed",
-    "sha256sum",
-    "sort",
-    "tail",
-    "touch",
-    "uname",
-    "xargs",
-]
+TOOLS = (
+    "bash cat cp cut dirname env find flock grep ln mkdir nproc printf readlink rm sed sha256sum "
+    "sort tail touch uname xargs"
+)
 
 
 def bha(*arguments: str, root: Path = ROOT, **environment: str) -> subprocess.CompletedProcess[str]:
@@ -63,7 +43,7 @@ def programs(tmp_path: Path) -> Path:
     """Return a folder with the programs of a system that has neither Python nor apt."""
     folder = tmp_path / "programs"
     folder.mkdir()
-    for name in TOOLS:
+    for name in TOOLS.split():
         path = shutil.which(name)
         if path:
             (folder / name).symlink_to(path)

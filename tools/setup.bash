@@ -184,7 +184,7 @@ phase() {
         say "failed"
         tail -n 20 "$LOG" | sed 's/^/    | /' >&2
         die "set-up stopped at: $title" "The whole log: $LOG" \
-            "Without a network or with a full disk nothing is lost: call ./bha setup again."
+            "Put right what it names and call ./bha again; what is done already is kept."
     fi
     printf '%4d s\n' "$((SECONDS - started))" >&2
 }
