@@ -180,7 +180,7 @@ phase() {
     shift
     printf '  %-58s' "$title" >&2
     printf '\n=== %s\n' "$title" >>"$LOG"
-    if ! "$@" >>"$LOG" 2>&1 9<&-; then
+    if ! "$@" >>"$LOG" 2>&1; then
         say "failed"
         tail -n 20 "$LOG" | sed 's/^/    | /' >&2
         die "set-up stopped at: $title" "The whole log: $LOG" \
@@ -195,12 +195,20 @@ workspace_ready() {
     [[ -f "$ENVIRONMENT" && "$(cat "$WORKSPACE/install/.stamp" 2>/dev/null)" == "$(build_key src)" ]]
 }
 
+is_ready() { venv_ready && { [[ "${1:-}" == --packages-only ]] || workspace_ready; }; }
+
 # setup [--packages-only]: the second form, for images, makes .venv and builds nothing.
 setup() {
     [[ $# == 0 || "$*" == --packages-only ]] || die "setup knows one option: --packages-only"
-    venv_ready && { [[ "${1:-}" == --packages-only ]] || workspace_ready; } && return
+    is_ready "$@" && return
+    # What set-up starts holds the lock too, so that it ends only when all of that has ended.
     exec 9<"$ROOT/bha"
     flock -n 9 || { say "bha: another ./bha is setting up; waiting for it." && flock 9; }
+    is_ready "$@" || make_ready "$@"
+    exec 9<&-
+}
+
+make_ready() {
     # What other environments exported has no place in this one.
     unset _ROS_WHEELS_BOOTSTRAP_COMPLETE PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH CMAKE_PREFIX_PATH
     mkdir -p "$(dirname "$LOG")"
@@ -220,5 +228,4 @@ setup() {
         echo "$key" >"$WORKSPACE/install/.stamp"
     fi
     say "  ready after $((SECONDS - started)) s"
-    exec 9<&-
 }
