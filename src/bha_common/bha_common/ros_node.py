@@ -143,7 +143,7 @@ class BhaNode(Node):
             executor.shutdown(timeout_sec=0.0)
 
     def _serve(self, executor: SingleThreadedExecutor) -> None:
-        # A bounded number: the executor offers a coroutine that waits again and again.
+        served: list[Any] = []
         try:
             for _ in range(_HANDLERS_A_ROUND):
                 handler, _, _ = executor.wait_for_ready_callbacks(timeout_sec=0.0)
@@ -151,6 +151,10 @@ class BhaNode(Node):
                 error = handler.exception()
                 if error is not None:
                     raise error
+                # The executor offers a coroutine that waits again and again: once is enough.
+                if handler in served:
+                    break
+                served.append(handler)
         except TimeoutException:
             pass
 
