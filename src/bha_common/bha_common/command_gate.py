@@ -93,6 +93,11 @@ class CommandGate:
         self._command = None
         self._not_before = time
 
+    def begin_anew(self, time: float) -> None:
+        """Take the robot for a fresh one, vented; only a command newer than `time` [s] counts."""
+        self.drop(time)
+        self._output = np.zeros(bellows.COUNT)
+
     def reset_stop(self, time: float) -> None:
         """End the emergency stop at robot time `time` [s]; the old command does not come back."""
         self._stopped = False

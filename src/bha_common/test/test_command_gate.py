@@ -135,6 +135,18 @@ def test_a_dropped_command_does_not_come_back() -> None:
     np.testing.assert_array_equal(robot.pressures(1.02, PERIOD), SOME)
 
 
+@pytest.mark.parametrize("safe_state", ["vent", "hold"])
+def test_a_fresh_robot_is_vented_at_once(safe_state: str) -> None:
+    robot = gate(safe_state=safe_state)
+    robot.offer(1.0, SOME)
+    robot.pressures(1.0, PERIOD)
+    robot.begin_anew(1.0)
+    robot.offer(1.0, SOME)  # given to the robot before
+    assert not robot.pressures(1.02, PERIOD).any()
+    robot.offer(1.04, SOME)
+    np.testing.assert_array_equal(robot.pressures(1.04, PERIOD), SOME)
+
+
 def test_dropping_does_not_end_the_stop() -> None:
     robot = gate()
     robot.stop()

@@ -106,9 +106,11 @@ class PressureControl:
         self._command = None
         self._identification = None
 
-    def forget_command(self) -> None:
-        """Forget the command in force, as when the robot was started anew."""
+    def begin_anew(self) -> None:
+        """Take the robot for a fresh one, vented: nothing of before is to come back to it."""
         self._command = None
+        self._identification = None
+        self._output = np.zeros(bellows.COUNT)
 
     def identify(self, samples: int | None = None) -> Identification:
         """Begin to collect samples; `finish_identification` ends it.

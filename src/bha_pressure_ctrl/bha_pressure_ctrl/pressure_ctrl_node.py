@@ -138,7 +138,7 @@ class PressureCtrl(BhaNode):
 
     def _robot_restarted(self) -> None:
         self.get_logger().warning("the robot's time has begun anew: waiting for new commands")
-        self._control.forget_command()
+        self._control.begin_anew()
         self._held = None
         self._commanded, self._commander_alive = 0, None
 

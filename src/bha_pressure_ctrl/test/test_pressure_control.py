@@ -138,13 +138,15 @@ class TestSilence:
         np.testing.assert_array_equal(loop.step(9.0), held)
         assert loop.control.mode == PressureControl.SILENT
 
-    def test_a_forgotten_command(self) -> None:
-        """As when the robot was started anew."""
-        loop = Loop(MODEL)
+    @pytest.mark.parametrize("safe_state", ["vent", "hold"])
+    def test_a_robot_that_was_started_anew(self, safe_state: str) -> None:
+        """It is vented, and neither the command nor the pressures of before come to it."""
+        loop = Loop(MODEL, safe_state=safe_state)
         loop.press()
-        loop.control.forget_command()
+        loop.control.begin_anew()
         loop.step()
         assert loop.control.mode == PressureControl.SILENT
+        assert not loop.pressures.any()
 
 
 class TestStop:
@@ -316,8 +318,8 @@ class AnyOrder(RuleBasedStateMachine):
         self.loop.control.stop(stopped)
 
     @rule()
-    def forget(self) -> None:
-        self.loop.control.forget_command()
+    def begin_anew(self) -> None:
+        self.loop.control.begin_anew()
 
     @rule(known=st.booleans())
     def use(self, known: bool) -> None:

@@ -139,7 +139,7 @@ class Simulator(BhaNode):
             self._pace.answered()
 
     def _reset(self, request: Reset.Request, response: Reset.Response) -> Reset.Response:
-        self._gate.drop(self._now * 1e-9)
+        self._gate.begin_anew(self._now * 1e-9)
         self._plant.reset(int(request.seed) if request.use_seed else None)
         self._diverged = ""
         self._tick += 1
