@@ -210,6 +210,8 @@ class CartesianFeedback(BhaNode):
         """Tell what the feedback does."""
         if self._robot_clock.now is None:
             return WARN, "no tip yet", {}
+        if not self._mode:
+            return WARN, "no learning_status yet", {}
         integrator = self._integrator
         if integrator is None:
             return OK, "idle", {}
