@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import shutil
+import signal
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -20,6 +21,11 @@ from bha_bringup.in_process import InProcessRobot
 from bha_goal_babbling.checkpoint import Checkpoint, save_checkpoint
 from bha_goal_babbling.task import find_task
 from running_graph import ROBOT, RUNNING, RunningGraph, StartGraph, describe
+
+
+def pytest_configure() -> None:
+    """Let a run that is terminated, as by `timeout`, end its nodes as Ctrl-C does."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
 
 
 @pytest.hookimpl(hookwrapper=True)
