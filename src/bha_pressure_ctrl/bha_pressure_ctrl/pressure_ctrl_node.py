@@ -111,7 +111,7 @@ class PressureCtrl(BhaNode):
     def _has_commander(self) -> bool:
         """Tell whether a command will come: from one who sends them, or is there to begin."""
         if self._commander_alive is None:
-            return self.count_publishers(self._command_topic) > 0
+            return bool(self.count_publishers(self._command_topic) > 0)
         return self._commander_alive
 
     def _answer_held(self) -> None:
