@@ -148,7 +148,7 @@ class RobotClient:
             self._executor.spin_once(timeout_sec=min(0.05, deadline - now))
         return True
 
-    def wait_for_graph(self, nodes: set[str], timeout: float = 20.0) -> None:
+    def wait_for_graph(self, nodes: set[str], timeout: float = 60.0) -> None:
         """Wait until every one of the nodes answers.
 
         Raises
