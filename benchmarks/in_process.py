@@ -1,12 +1,13 @@
 """Learning on the simulated BHA without ROS: errors over exploration time, and times real time.
 
-    ./bha shell python -m benchmarks.in_process --space 2d --seeds 0 1 2 --minutes 30 60
+./bha shell python -m benchmarks.in_process --space 2d --seeds 0 1 2 --minutes 30 60
 """
 
 import argparse
 import time
 
 import numpy as np
+
 from bha_bringup.in_process import InProcessRobot
 from bha_goal_babbling.task import find_task
 
