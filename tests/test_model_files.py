@@ -150,7 +150,7 @@ class TestSave:
 
 
 @pytest.mark.parametrize("node", STEMS)
-@pytest.mark.parametrize("fault", ["cut", "altered", "other version", "other kind", "other robot"])
+@pytest.mark.parametrize("fault", ["cut", "other version", "other robot"])
 def test_a_node_does_not_start_with_a_broken_model(
     trained: Path, tmp_path: Path, node: str, fault: str
 ) -> None:
