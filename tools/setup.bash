@@ -51,8 +51,7 @@ sys.exit(not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.
 }
 
 install_packages() {
-    export DEBIAN_FRONTEND=noninteractive
-    local get=(apt-get -y -o DPkg::Lock::Timeout=120)
+    local get=(env DEBIAN_FRONTEND=noninteractive apt-get -y -o DPkg::Lock::Timeout=120)
     ((EUID == 0)) || get=(sudo -n "${get[@]}")
     "${get[@]}" update && "${get[@]}" install --no-install-recommends "$@"
 }
