@@ -95,10 +95,11 @@ class PressureControl:
         Parameters
         ----------
         time : Robot time of the command [s].
-        lengths : Lengths to reach [m], shape (9,), finite.
+        lengths : Lengths to reach [m], shape (9,), finite; clipped to what can be meant.
         """
         if not self._stopped:
-            self._command, self._command_time = lengths, time
+            self._command = np.clip(lengths, bellows.MIN_LENGTH, bellows.MAX_LENGTH)
+            self._command_time = time
 
     def stop(self, stopped: bool) -> None:
         """Begin or end the emergency stop; the command in force is forgotten either way."""
