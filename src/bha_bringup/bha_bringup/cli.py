@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from types import FrameType
-from typing import Annotated
+from typing import Annotated, Optional
 
 import numpy as np
 import typer
@@ -41,6 +41,8 @@ app = typer.Typer(
 )
 console = Console(highlight=False)
 
+# Ubuntu 24.04's typer, 0.9, knows no `Path | None`.
+MaybePath = Optional[Path]  # noqa: UP045
 Point = Annotated[float, typer.Argument(help="Coordinate in bha_base [m].")]
 Feedback = Annotated[bool, typer.Option(help="Use Cartesian feedback: exact, but slow.")]
 
@@ -51,7 +53,7 @@ def demo(
     minutes: Annotated[float, typer.Option(help="Robot minutes of exploration.")] = 30.0,
     seed: Annotated[int, typer.Option(help="Draws the robot, noise and exploration.")] = 0,
     goals: Annotated[int, typer.Option(help="Held-out goals to reach.")] = 25,
-    out: Annotated[Path | None, typer.Option(help="Folder for report and models.")] = None,
+    out: Annotated[MaybePath, typer.Option(help="Folder for report and models.")] = None,
     quick: Annotated[bool, typer.Option(help="A short look: 5 minutes, 5 goals.")] = False,
 ) -> None:
     """Start the graph, learn, reach held-out goals, and leave a report."""
@@ -88,7 +90,7 @@ def up(
     ] = 1.0,
     seed: Annotated[int, typer.Option(help="Draws the robot, noise and exploration.")] = 0,
     models: Annotated[Path, typer.Option(help="Folder of the models.")] = Path("models"),
-    params_file: Annotated[Path | None, typer.Option(help="YAML with parameters.")] = None,
+    params_file: Annotated[MaybePath, typer.Option(help="YAML with parameters.")] = None,
 ) -> None:
     """Start the graph and keep it up until Ctrl-C or `bha stop`."""
     settings = GraphSettings(
