@@ -22,7 +22,6 @@ from bha_common.ros_messages import (
     goal_from,
     nanoseconds,
     point_message,
-    tip_from,
 )
 from bha_common.ros_node import CONTROL_QOS, LATCHED_QOS, OK, WARN, BhaNode, exit_with, run
 from bha_common.ros_parameters import declare_settings
@@ -78,8 +77,7 @@ class CartesianFeedback(BhaNode):
             cancel_callback=lambda _: CancelResponse.ACCEPT,
         )
 
-    def _take_tip(self, message: PoseStamped) -> None:
-        tip, stamp = tip_from(message), nanoseconds(message.header.stamp)
+    def _take_tip(self, stamp: int, tip: Array) -> None:
         self._robot_clock.advance(stamp)
         self._tip = tip
         integrator = self._integrator

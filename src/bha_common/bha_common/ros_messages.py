@@ -94,20 +94,43 @@ def tip_from(message: PoseStamped) -> Array:
     return _point(message.header, message.pose.position, frame_needed=True)
 
 
-def goal_from(message: PointStamped, *, frame_needed: bool = False) -> Array:
-    """Read a goal or target [m], shape (3,), in frame `bha_base`.
-
-    Parameters
-    ----------
-    message : The goal.
-    frame_needed : Whether an empty frame is refused; otherwise it means `bha_base`.
+def target_from(message: PointStamped) -> Array:
+    """Read a target [m], shape (3,), in frame `bha_base`.
 
     Raises
     ------
     MessageError
         When it is in another frame, or not finite.
     """
-    return _point(message.header, message.point, frame_needed=frame_needed)
+    return _point(message.header, message.point, frame_needed=True)
+
+
+def goal_from(message: PointStamped) -> Array:
+    """Read a goal [m], shape (3,), in frame `bha_base`, which an empty frame means too.
+
+    Raises
+    ------
+    MessageError
+        When it is in another frame, or not finite.
+    """
+    return _point(message.header, message.point, frame_needed=False)
+
+
+def finite(values: Array, field: str) -> Array:
+    """Give back values of the nine bellows, shape (9,), when all are finite.
+
+    Raises
+    ------
+    MessageError
+        When one is not; `field` is what it is called in the message.
+    """
+    # A sum is finite only if its terms are, and costs a tenth of isfinite().all(); Python's own
+    # overflows without a warning.
+    if not math.isfinite(sum(values.tolist())):
+        bad = [name for name, value in zip(_NAMES, values, strict=True) if not np.isfinite(value)]
+        what = f"not finite for {', '.join(bad)}" if bad else "absurdly large"
+        raise MessageError(f"{field} is {what}")
+    return values
 
 
 def _header(time: int) -> Header:
@@ -127,13 +150,7 @@ def _in_order(names: list[str], values: Any, field: str) -> Array:
                 f"unknown {wrong or 'none'}, missing {missing or 'none'}, {len(names)} names"
             )
         array = array[[names.index(name) for name in _NAMES]]
-    # A sum is finite only if its terms are, and costs a tenth of isfinite().all(); Python's own
-    # overflows without a warning.
-    if not math.isfinite(sum(values)):
-        bad = [name for name, value in zip(_NAMES, array, strict=True) if not np.isfinite(value)]
-        what = f"not finite for {', '.join(bad)}" if bad else "absurdly large"
-        raise MessageError(f"{field} is {what}")
-    return array
+    return finite(array, field)
 
 
 def _point(header: Header, point: Point, *, frame_needed: bool) -> Array:

@@ -8,7 +8,9 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from numpy.typing import NDArray
 from rclpy import init, try_shutdown
 from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock, ClockType
@@ -26,6 +28,9 @@ from rclpy.qos import (
 
 from bha_common.files import ModelFileError
 from bha_common.ros_intake import Intake
+from bha_common.ros_wire import decoder
+
+Array = NDArray[np.float64]
 
 CONTROL_QOS = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=100, reliability=ReliabilityPolicy.RELIABLE
@@ -92,15 +97,28 @@ class BhaNode(Node):
         self,
         message_type: Any,
         topic: str,
-        callback: Callable[[Any], None],
-        qos: QoSProfile = CONTROL_QOS,
+        callback: Callable[[int, Array], None],
     ) -> None:
-        """Subscribe to a stream; the callback may refuse a message, see `Intake`."""
-        intake = Intake(self, topic, callback)
+        """Subscribe to a stream of a type that `ros_wire.decoder` knows.
+
+        Parameters
+        ----------
+        message_type : Type of the messages.
+        topic : Name of the topic.
+        callback : Takes the stamp [ns] and the values of a message; it may refuse them, see
+            `Intake`.
+        """
+        decode = decoder(message_type)
+        intake = Intake(self, topic, lambda data: callback(*decode(data)))
         self._intakes.append(intake)
         self._streams.append(
             self.create_subscription(
-                message_type, topic, intake, qos, callback_group=self._own_loop
+                message_type,
+                topic,
+                intake,
+                CONTROL_QOS,
+                callback_group=self._own_loop,
+                raw=True,
             )
         )
 

@@ -27,6 +27,7 @@ from bha_common.ros_messages import (
     pressures_from,
     pressures_message,
     stamp_message,
+    target_from,
     tip_from,
     tip_message,
 )
@@ -87,7 +88,7 @@ class TestRoundTrips:
     @given(point=THREE, time=TIMES)
     def test_point(self, point: NDArray[np.float64], time: int) -> None:
         message = point_message(time, point)
-        assert goal_from(message, frame_needed=True).tobytes() == point.tobytes()
+        assert target_from(message).tobytes() == point.tobytes()
         assert nanoseconds(message.header.stamp) == time
 
     def test_what_was_made_does_not_change_with_the_next(self) -> None:
@@ -208,7 +209,7 @@ class TestPoints:
         goal = PointStamped()
         np.testing.assert_array_equal(goal_from(goal), np.zeros(3))
         with pytest.raises(MessageError, match="frame_id is ''"):
-            goal_from(goal, frame_needed=True)
+            target_from(goal)
         with pytest.raises(MessageError, match="frame_id is ''"):
             tip_from(PoseStamped())
 

@@ -18,17 +18,10 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
 
 from bha_common.files import ModelFileError
-from bha_common.ros_messages import (
-    MessageError,
-    goal_from,
-    lengths_from,
-    lengths_message,
-    nanoseconds,
-    stamp_message,
-    tip_from,
-)
+from bha_common.ros_messages import MessageError, goal_from, stamp_message
 from bha_common.ros_node import CONTROL_QOS, LATCHED_QOS, OK, WARN, BhaNode, exit_with, run
 from bha_common.ros_parameters import declare_settings
+from bha_common.ros_wire import encode_lengths
 from bha_common.settings import check_settings, setting
 from bha_common.stamps import StreamClock, check_command_stamp
 from bha_goal_babbling.arrays import FloatArray
@@ -90,8 +83,7 @@ class LearnerNode(BhaNode):
         )
         self._reach_action = ActionServer(self, ReachGoal, "~/reach_goal", self._reach, **accept)
 
-    def _take_lengths(self, message: JointState) -> None:
-        lengths, stamp = lengths_from(message), nanoseconds(message.header.stamp)
+    def _take_lengths(self, stamp: int, lengths: FloatArray) -> None:
         before = self._robot_clock.now
         self._robot_clock.advance(stamp)
         self._learner.see_lengths(stamp, lengths)
@@ -103,8 +95,7 @@ class LearnerNode(BhaNode):
             self._due = stamp
             self._command_if_ready(stamp)
 
-    def _take_tip(self, message: PoseStamped) -> None:
-        tip, stamp = tip_from(message), nanoseconds(message.header.stamp)
+    def _take_tip(self, stamp: int, tip: FloatArray) -> None:
         if self._robot_clock.now is None:
             return  # of no use before the first lengths
         check_command_stamp(stamp, self._robot_clock.now, self._settings.max_age)
@@ -126,7 +117,7 @@ class LearnerNode(BhaNode):
         self._due = None
         lengths = self._learner.update(due)
         if lengths is not None:
-            self._commands.publish(lengths_message(due, lengths))
+            self._commands.publish(encode_lengths(due, lengths))
             self._status.publish(self._status_message(due))
         self._settle_actions()
 
@@ -142,8 +133,7 @@ class LearnerNode(BhaNode):
             self._reached.set_result(None)
             self._reached = None
 
-    def _take_target(self, message: PointStamped) -> None:
-        target, stamp = goal_from(message, frame_needed=True), nanoseconds(message.header.stamp)
+    def _take_target(self, stamp: int, target: FloatArray) -> None:
         check_command_stamp(stamp, self._robot_clock.now, self._settings.max_age)
         reach = self._learner.reach
         if reach is not None and not np.array_equal(self._learner.task.outcome(target), reach.goal):

@@ -6,9 +6,11 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from bha_interfaces.action import Identify
 from bha_interfaces.msg import Pressures
 from bha_interfaces.srv import LoadModel, SaveModel
+from numpy.typing import NDArray
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.task import Future
@@ -16,9 +18,9 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
 
 from bha_common.files import ModelFileError
-from bha_common.ros_messages import lengths_from, nanoseconds, pressures_message
 from bha_common.ros_node import CONTROL_QOS, LATCHED_QOS, OK, WARN, BhaNode, exit_with, run
 from bha_common.ros_parameters import declare_settings
+from bha_common.ros_wire import encode_pressures
 from bha_common.settings import check_settings, setting
 from bha_common.stamps import StreamClock, check_command_stamp
 from bha_pressure_ctrl.equilibrium_model import (
@@ -28,6 +30,7 @@ from bha_pressure_ctrl.equilibrium_model import (
 )
 from bha_pressure_ctrl.pressure_control import PressureControl, PressureControlSettings
 
+Array = NDArray[np.float64]
 _MAX_GAP = 2.0  # [s] between two states; more is doubted
 
 
@@ -63,7 +66,7 @@ class PressureCtrl(BhaNode):
         self._period_ns = round(self._settings.command_period * 1e9)
         self._commanded = 0  # stamp of the newest length command [ns]
         self._commander_alive: bool | None = None  # None: it had no turn yet
-        self._held: tuple[int, JointState] | None = None  # a state that waits for its command
+        self._held: tuple[int, Array] | None = None  # a state that waits for its command
         self._held_until = 0.0
         self._identified: Future | None = None
         self._load_at_start()
@@ -95,14 +98,12 @@ class PressureCtrl(BhaNode):
             self._answer_held()
         return max(left, 0.0)
 
-    def _take_lengths(self, message: JointState) -> None:
-        lengths_from(message)
-        stamp = nanoseconds(message.header.stamp)
+    def _take_lengths(self, stamp: int, lengths: Array) -> None:
         self._robot_clock.advance(stamp)
         if self._held is not None:
             self._answer_held()
         due = self._settings.lockstep and stamp % self._period_ns == 0 and self._has_commander()
-        self._held = (stamp, message)
+        self._held = (stamp, lengths)
         if due and self._commanded < stamp:
             self._held_until = time.monotonic() + self._settings.lockstep_timeout
         else:
@@ -116,16 +117,15 @@ class PressureCtrl(BhaNode):
 
     def _answer_held(self) -> None:
         assert self._held is not None
-        (stamp, message), self._held = self._held, None
-        pressures = self._control.update(stamp * 1e-9, lengths_from(message))
-        self._pressures.publish(pressures_message(stamp, pressures))
+        (stamp, lengths), self._held = self._held, None
+        pressures = self._control.update(stamp * 1e-9, lengths)
+        self._pressures.publish(encode_pressures(stamp, pressures))
         identification = self._control.identification
         if self._identified is not None and (identification is None or identification.done):
             self._identified.set_result(None)
             self._identified = None
 
-    def _take_command(self, message: JointState) -> None:
-        lengths, stamp = lengths_from(message), nanoseconds(message.header.stamp)
+    def _take_command(self, stamp: int, lengths: Array) -> None:
         check_command_stamp(stamp, self._robot_clock.now, self._settings.max_command_age)
         self._control.command(stamp * 1e-9, lengths)
         self._commanded, self._commander_alive = stamp, True

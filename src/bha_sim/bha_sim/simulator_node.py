@@ -6,31 +6,29 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from bha_interfaces.msg import Pressures
 from bha_interfaces.srv import Reset
 from geometry_msgs.msg import PoseStamped
+from numpy.typing import NDArray
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
 from std_srvs.srv import SetBool, Trigger
 
 from bha_common.command_gate import CommandGate, SafetySettings
-from bha_common.ros_messages import (
-    lengths_message,
-    nanoseconds,
-    pressures_from,
-    pressures_message,
-    stamp_message,
-    tip_message,
-)
+from bha_common.ros_messages import stamp_message, tip_message
 from bha_common.ros_node import CONTROL_QOS, ERROR, LATCHED_QOS, OK, WARN, BhaNode, exit_with, run
 from bha_common.ros_parameters import declare_settings
+from bha_common.ros_wire import encode_lengths, encode_pressures
 from bha_common.settings import check_settings, setting
 from bha_common.stamps import check_command_stamp
 from bha_sim.errors import PlantDivergedError
 from bha_sim.lockstep import Pace, PaceSettings
 from bha_sim.plant import Plant
 from bha_sim.robot_parameters import draw_robot, load_parameters
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -117,9 +115,9 @@ class Simulator(BhaNode):
         if now % self._tip_period_ns == 0:
             self._clock_topic.publish(Clock(clock=stamp_message(now)))
             self._tip.publish(tip_message(now, state.tip, state.tip_quaternion))
-            self._pressures.publish(pressures_message(now, state.pressures))
+            self._pressures.publish(encode_pressures(now, state.pressures))
         # Last, so that who answers the lengths has the tip of the same time already.
-        self._lengths.publish(lengths_message(now, state.lengths))
+        self._lengths.publish(encode_lengths(now, state.lengths))
         self._published, self._answered = True, False
         self._pace.published(time.monotonic())
 
@@ -134,8 +132,7 @@ class Simulator(BhaNode):
         self._tick += 1
         self._published = False
 
-    def _take_command(self, message: Pressures) -> None:
-        pressures, stamp = pressures_from(message), nanoseconds(message.header.stamp)
+    def _take_command(self, stamp: int, pressures: Array) -> None:
         check_command_stamp(stamp, self._now, self._settings.max_command_age)
         self._gate.offer(stamp * 1e-9, pressures)
         if stamp == self._now and self._published:
