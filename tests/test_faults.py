@@ -123,7 +123,10 @@ def test_a_killed_simulator_comes_back_with_a_new_time(
     assert "a new robot" in result.message
     assert result.status.samples >= samples
     for name in ("learner", "pressure_ctrl"):
-        assert "the robot's time has begun anew" in graph.log(name)
+        graph.wait(
+            lambda name=name: "the robot's time has begun anew" in graph.log(name, 1000),
+            f"{name} telling of it",
+        )
     # Nothing is brought back: the robot stays about where it is until there is a new goal.
     graph.wait(lambda: graph.client.status.mode == LearningStatus.IDLE, "idle")
     graph.wait_robot(3.0)

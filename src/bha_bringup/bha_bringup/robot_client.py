@@ -149,7 +149,10 @@ class RobotClient:
         return True
 
     def wait_for_graph(self, nodes: set[str], timeout: float = 60.0) -> None:
-        """Wait until every one of the nodes answers.
+        """Wait until every one of the nodes answers, and the controller hears the learner.
+
+        In lockstep many seconds of robot time may pass while nodes find one another; who begins
+        earlier would see a robot that does not follow.
 
         Raises
         ------
@@ -167,6 +170,18 @@ class RobotClient:
         ):
             if name.split("/")[0] in nodes:
                 self._action(kind, name)
+        if {LEARNER, CONTROLLER} <= nodes and not self.wait(self._is_chained, timeout):
+            raise RobotError(f"no commands of the learner reach the controller in {timeout:g} s")
+
+    def _is_chained(self) -> bool:
+        """Whether commands flow; from a paused robot nothing flows, and that is well."""
+        simulator = self.diagnostics.get(SIMULATOR)
+        if simulator is not None and simulator.message == "paused":
+            return True
+        controller = self.diagnostics.get(CONTROLLER)
+        return controller is not None and any(
+            item.key == "commander" and item.value == "alive" for item in controller.values
+        )
 
     def identify(
         self, samples: int = 0, progress: Callable[[Identify.Feedback], None] | None = None
