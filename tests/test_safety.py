@@ -136,12 +136,12 @@ TOPICS: dict[str, tuple[Callable[[int], Any], dict[str, Any], tuple[str, ...]]] 
     ),
     "lengths": (
         lambda now: lengths_message(now, BAD_LENGTHS),
-        {**OF_NINE, **STREAM_STAMPS},
+        {**OF_NINE, **STREAM_STAMPS, "millimetres": (_first(300.0), "is it in metres?")},
         ("pressure_ctrl", "learner"),
     ),
     "tip": (
         lambda now: tip_message(now, BAD_POINT, np.array([0.0, 0.0, 0.0, 1.0])),
-        {**OF_A_POINT, **TIP_STAMPS},
+        {**OF_A_POINT, **TIP_STAMPS, "millimetres": (_coordinate(300.0), "is it in metres,")},
         ("learner", "cartesian_feedback"),
     ),
     "target": (lambda now: point_message(now, BAD_POINT), {**OF_A_POINT, **STAMPS}, ("learner",)),

@@ -30,7 +30,6 @@ from bha_common.stamps import StreamClock
 
 Array = NDArray[np.float64]
 _MAX_GAP = 10.0  # [s] between two tips; more is doubted
-_HANDOVER = 3.0  # [s] of robot time within which the learner follows the targets
 _LEARNER_TIMEOUT = 2.0  # [s] of wall time
 _ACCEPTING = {LearningStatus.IDLE, LearningStatus.REACHING, LearningStatus.HOLDING}
 
@@ -90,11 +89,17 @@ class CartesianFeedback(BhaNode):
 
     def _take_status(self, message: LearningStatus) -> None:
         self._mode = message.mode
-        # It takes the first target as the goal it has begun with; later it has one of its own.
-        since = (nanoseconds(message.header.stamp) - self._began) * 1e-9
-        overtaken = message.mode == LearningStatus.REACHING and since > _HANDOVER
-        if overtaken or message.mode not in _ACCEPTING:
+        if nanoseconds(message.header.stamp) <= self._began:
+            return
+        if message.mode not in _ACCEPTING or self._overtaken_by(message):
             self._end()
+
+    def _overtaken_by(self, status: LearningStatus) -> bool:
+        """Whether the learner moves to a goal that somebody else has set since."""
+        if self._integrator is None or status.mode != LearningStatus.REACHING:
+            return False
+        theirs = np.array([status.goal.x, status.goal.y, status.goal.z])[: self._axes]
+        return not np.allclose(theirs, self._integrator.goal[: self._axes], rtol=0.0, atol=1e-9)
 
     def _take_stop(self, message: Bool) -> None:
         self._stopped = bool(message.data)
@@ -120,8 +125,10 @@ class CartesianFeedback(BhaNode):
         if not self._mode:
             raise MessageError("no learning_status was seen yet: is the learner running?")
         await self._go_feedforward(goal)
-        if self._stopped or self._mode not in _ACCEPTING:
-            raise MessageError("the learner accepts no targets now")
+        if self._stopped:
+            raise MessageError("ended by an emergency stop")
+        if self._mode not in _ACCEPTING:
+            raise MessageError(f"the learner accepts no targets now: its mode is {self._mode}")
         self._end()
         self._began = self._robot_clock.now
         self._integrator = GoalIntegrator(

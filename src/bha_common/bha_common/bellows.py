@@ -19,5 +19,8 @@ MAX_PRESSURE = 1.3e5
 MIN_LENGTH, MAX_LENGTH = 0.10, 0.40
 """Lengths beyond which a reading or a command cannot be meant [m]; real ranges are narrower."""
 
+MAX_REACH = 2.0
+"""Distance from the base beyond which a tip cannot be meant [m]; the trunk ends at about 1 m."""
+
 BASE_FRAME = "bha_base"
 """Frame of every tip and goal: z along the trunk's axis at rest, away from the base."""

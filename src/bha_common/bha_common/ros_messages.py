@@ -89,9 +89,16 @@ def tip_from(message: PoseStamped) -> Array:
     Raises
     ------
     MessageError
-        When it is in another frame, or not finite.
+        When it is in another frame, not finite, or where no tip can be.
     """
-    return _point(message.header, message.pose.position, frame_needed=True)
+    tip = _point(message.header, message.pose.position, frame_needed=True)
+    distance = math.hypot(*tip.tolist())
+    if distance > bellows.MAX_REACH:
+        raise MessageError(
+            f"the tip is {distance:.3g} m from the base; at most {bellows.MAX_REACH:g} m is "
+            "believed (is it in metres, and in the right frame?)"
+        )
+    return tip
 
 
 def target_from(message: PointStamped) -> Array:
@@ -131,6 +138,22 @@ def finite(values: Array, field: str) -> Array:
         what = f"not finite for {', '.join(bad)}" if bad else "absurdly large"
         raise MessageError(f"{field} is {what}")
     return values
+
+
+def check_measured_lengths(lengths: Array) -> None:
+    """Refuse measured lengths [m], shape (9,), that no bellows can have.
+
+    Raises
+    ------
+    MessageError
+        Naming the bellows and the lengths that are believed.
+    """
+    for name, length in zip(_NAMES, lengths.tolist(), strict=True):
+        if not bellows.MIN_LENGTH <= length <= bellows.MAX_LENGTH:
+            raise MessageError(
+                f"{name} is {length:.4g} m long; {bellows.MIN_LENGTH:g} to "
+                f"{bellows.MAX_LENGTH:g} m are believed (is it in metres?)"
+            )
 
 
 def _header(time: int) -> Header:

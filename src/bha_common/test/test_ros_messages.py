@@ -19,6 +19,7 @@ from geometry_msgs.msg import PointStamped, PoseStamped
 from bha_common import bellows
 from bha_common.ros_messages import (
     MessageError,
+    check_measured_lengths,
     goal_from,
     lengths_from,
     lengths_message,
@@ -63,6 +64,21 @@ class TestStamps:
         assert nanoseconds(Time(sec=-1, nanosec=5)) == -(10**9) + 5
 
 
+class TestPlausibleReadings:
+    @pytest.mark.parametrize("length", [0.0, 0.0999, 0.4001, 50.0, 210.0, -0.2])
+    def test_lengths_that_no_bellows_has(self, length: float) -> None:
+        check_measured_lengths(SOME)
+        wrong = SOME.copy()
+        wrong[3] = length
+        with pytest.raises(MessageError, match=r"bellows_2_1 is .* m long; 0.1 to 0.4 m"):
+            check_measured_lengths(wrong)
+
+    def test_a_tip_in_millimetres(self) -> None:
+        far = tip_message(1, np.array([120.0, 30.0, 800.0]), quaternion())
+        with pytest.raises(MessageError, match=r"is 810 m from the base; at most 2 m .* metres"):
+            tip_from(far)
+
+
 class TestRoundTrips:
     @settings(max_examples=40, deadline=None)
     @given(values=NINE, time=TIMES)
@@ -78,6 +94,7 @@ class TestRoundTrips:
     @settings(max_examples=40, deadline=None)
     @given(tip=THREE, time=TIMES)
     def test_tip(self, tip: NDArray[np.float64], time: int) -> None:
+        tip *= 1.0 / (1.0 + np.linalg.norm(tip))  # where a tip can be
         message = tip_message(time, tip, quaternion())
         assert tip_from(message).tobytes() == tip.tobytes()
         assert nanoseconds(message.header.stamp) == time

@@ -54,6 +54,7 @@ class Learner:
         self._rng = np.random.default_rng(settings.seed)
         self._session: BabblingSession | None = None
         self._reach: Reach | None = None
+        self._goal: FloatArray | None = None
         self._command: FloatArray | None = None
         self._stopped = False
         self._failure = ""
@@ -77,6 +78,11 @@ class Learner:
     def reach(self) -> Reach | None:
         """The movement to a goal that runs; None when none does."""
         return self._reach
+
+    @property
+    def goal(self) -> FloatArray | None:
+        """Goal of the present movement, or target followed last [m], shape (n,)."""
+        return self._goal
 
     @property
     def failure(self) -> str:
@@ -144,7 +150,7 @@ class Learner:
             self.babbler = None
             self.exploration_time = 0.0
         self._failure = ""
-        self._reach = None
+        self._reach = self._goal = None
         self._session = BabblingSession(
             self.task, self.settings, duration, self.babbler, self._rng, self.on_sample
         )
@@ -181,6 +187,7 @@ class Learner:
                 raise RefusedError(f"{name} must be 0 or above, got {value}")
         self._command = self._inverse(goal)
         self._resting = self.HOLDING
+        self._goal = goal
         self._reach = Reach(self.task, self.settings, goal, tolerance, timeout)
         return self._reach
 
@@ -202,6 +209,7 @@ class Learner:
             raise RefusedError(f"the target is refused: {reason}")
         command = self._inverse(goal)
         self._reach = None
+        self._goal = goal
         self._resting = self.HOLDING
         self._command = command
 
@@ -218,7 +226,7 @@ class Learner:
         """
         if stopped:
             self.halt()
-            self._command = None
+            self._command = self._goal = None
             self._resting = self.IDLE
         self._stopped = stopped
 
@@ -226,7 +234,7 @@ class Learner:
         """Forget what was seen of a robot whose time has begun anew, and hold where it is."""
         self.halt()
         self._window.clear()
-        self._command = None
+        self._command = self._goal = None
         self._resting = self.IDLE
 
     def use(self, babbler: GoalBabbler, exploration_time: float = 0.0) -> None:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from bha_interfaces.action import Babble, ReachGoal
 from bha_interfaces.msg import LearningStatus
-from bha_interfaces.srv import LoadModel, SaveModel, SetGoal
+from bha_interfaces.srv import SetGoal
 from geometry_msgs.msg import Point, PointStamped, PoseStamped
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
@@ -17,8 +16,8 @@ from rclpy.task import Future
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
 
-from bha_common.files import ModelFileError
-from bha_common.ros_messages import MessageError, goal_from, stamp_message
+from bha_common.ros_messages import MessageError, check_measured_lengths, goal_from, stamp_message
+from bha_common.ros_model_files import ModelFiles, ModelRefusedError
 from bha_common.ros_node import CONTROL_QOS, LATCHED_QOS, OK, WARN, BhaNode, exit_with, run
 from bha_common.ros_parameters import declare_settings
 from bha_common.ros_wire import encode_lengths
@@ -60,7 +59,10 @@ class LearnerNode(BhaNode):
         self._settings = declare_settings(self, NodeSettings)
         settings = declare_settings(self, LearnerSettings)
         self._learner = Learner(settings, find_task(self._settings.task))
-        self._load_at_start()
+        self._files = ModelFiles(
+            self, self._settings.model_file, self._write_model, self._read_model
+        )
+        self._files.load_at_start()
         self._robot_clock = StreamClock(self._robot_restarted, max_gap=_MAX_GAP)
         self._period_ns = round(settings.command_period * 1e9)
         self._due: int | None = None  # time of the command that waits for its tip [ns]
@@ -75,8 +77,6 @@ class LearnerNode(BhaNode):
         self.subscribe_stream(PointStamped, "target", self._take_target)
         self.create_subscription(Bool, "emergency_stop_active", self._take_stop, LATCHED_QOS)
         self.create_service(SetGoal, "~/set_goal", self._set_goal)
-        self.create_service(SaveModel, "~/save_model", self._save)
-        self.create_service(LoadModel, "~/load_model", self._load)
         accept = {"cancel_callback": lambda _: CancelResponse.ACCEPT}
         self._babble_action = ActionServer(
             self, Babble, "~/babble", self._babble, goal_callback=self._accept_babble, **accept
@@ -84,6 +84,7 @@ class LearnerNode(BhaNode):
         self._reach_action = ActionServer(self, ReachGoal, "~/reach_goal", self._reach, **accept)
 
     def _take_lengths(self, stamp: int, lengths: FloatArray) -> None:
+        check_measured_lengths(lengths)
         before = self._robot_clock.now
         self._robot_clock.advance(stamp)
         self._learner.see_lengths(stamp, lengths)
@@ -252,6 +253,7 @@ class LearnerNode(BhaNode):
             task=self._learner.task.name,
             exploration_time=self._learner.exploration_time,
             recent_error=float("nan"),
+            goal=_point(self._learner.goal),
         )
         message.header.stamp = stamp_message(stamp)
         if babbler is not None:
@@ -260,57 +262,23 @@ class LearnerNode(BhaNode):
             message.recent_error = babbler.recent_error
         return message
 
-    def _load_at_start(self) -> None:
-        path = self._settings.model_file
-        if path and Path(path).expanduser().exists():
-            self._use_file(path)
-            self.get_logger().info(f"goes on with what {path} has learned")
-
-    def _use_file(self, path: str) -> None:
-        stored = load_checkpoint(path, robot=self._settings.robot, task=self._learner.task.name)
-        self._learner.use(stored.babbler, stored.exploration_time)
-
-    def _checkpoint(self) -> None:
-        """Write what is learned; a full disk must not end the learning."""
-        self._saved_at = self._learner.exploration_time
-        path = self._settings.model_file
-        if not path or self._learner.babbler is None:
-            return
-        try:
-            self._write(path)
-        except OSError as error:
-            self.get_logger().error(f"{path} cannot be written: {error.strerror}")
-
-    def _write(self, path: str) -> None:
+    def _write_model(self, path: str) -> None:
         learner = self._learner
-        assert learner.babbler is not None
+        if learner.babbler is None:
+            raise ModelRefusedError("nothing is learned yet: babble first")
         checkpoint = Checkpoint(learner.babbler, learner.task.name, learner.exploration_time)
         save_checkpoint(path, checkpoint, robot=self._settings.robot)
 
-    def _save(self, request: SaveModel.Request, response: SaveModel.Response) -> SaveModel.Response:
-        path = request.path or self._settings.model_file
-        if not path:
-            response.message = "give a path, or set the parameter model_file"
-        elif self._learner.babbler is None:
-            response.message = "nothing is learned yet: babble first"
-        else:
-            try:
-                self._write(path)
-                response.success, response.message = True, path
-            except OSError as error:
-                response.message = f"{path} cannot be written: {error.strerror}"
-        return response
-
-    def _load(self, request: LoadModel.Request, response: LoadModel.Response) -> LoadModel.Response:
-        path = request.path or self._settings.model_file
+    def _read_model(self, path: str) -> None:
+        stored = load_checkpoint(path, robot=self._settings.robot, task=self._learner.task.name)
         try:
-            if not path:
-                raise ModelFileError("give a path, or set the parameter model_file")
-            self._use_file(path)
-            response.success, response.message = True, f"loaded {path}"
-        except (ModelFileError, RefusedError) as error:
-            response.message = f"refused, the model in use stays: {error}"
-        return response
+            self._learner.use(stored.babbler, stored.exploration_time)
+        except RefusedError as error:
+            raise ModelRefusedError(str(error)) from error
+
+    def _checkpoint(self) -> None:
+        self._saved_at = self._learner.exploration_time
+        self._files.keep()
 
     def diagnose(self) -> tuple[bytes, str, dict[str, str]]:
         """Tell what the learner does and how far it has come."""
@@ -335,8 +303,11 @@ class LearnerNode(BhaNode):
         self._checkpoint()
 
 
-def _point(tip: FloatArray | None) -> Point:
-    x, y, z = (float("nan"),) * 3 if tip is None else tip.tolist()
+def _point(point: FloatArray | None) -> Point:
+    """Make a point of up to three coordinates; those that are not there are NaN."""
+    x, y, z = ([] if point is None else point.tolist()) + [float("nan")] * (
+        3 if point is None else 3 - point.size
+    )
     return Point(x=x, y=y, z=z)
 
 

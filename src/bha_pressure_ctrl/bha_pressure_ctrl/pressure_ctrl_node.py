@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from bha_interfaces.action import Identify
 from bha_interfaces.msg import Pressures
-from bha_interfaces.srv import LoadModel, SaveModel
 from numpy.typing import NDArray
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
@@ -17,7 +15,8 @@ from rclpy.task import Future
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
 
-from bha_common.files import ModelFileError
+from bha_common.ros_messages import check_measured_lengths
+from bha_common.ros_model_files import ModelFiles, ModelRefusedError
 from bha_common.ros_node import CONTROL_QOS, LATCHED_QOS, OK, WARN, BhaNode, exit_with, run
 from bha_common.ros_parameters import declare_settings
 from bha_common.ros_wire import encode_pressures
@@ -69,15 +68,17 @@ class PressureCtrl(BhaNode):
         self._held: tuple[int, Array] | None = None  # a state that waits for its command
         self._held_until = 0.0
         self._identified: Future | None = None
-        self._load_at_start()
+        files = ModelFiles(self, self._settings.model_file, self._write_model, self._read_model)
+        if not files.load_at_start():
+            self.get_logger().warning(
+                "no equilibrium model yet: venting until ~/identify is called"
+            )
 
         self._pressures = self.create_publisher(Pressures, "pressure_command", CONTROL_QOS)
         self.subscribe_stream(JointState, "length_command", self._take_command)
         self._command_topic = self.resolve_topic_name("length_command")
         self.subscribe_stream(JointState, "lengths", self._take_lengths)
         self.create_subscription(Bool, "emergency_stop_active", self._take_stop, LATCHED_QOS)
-        self.create_service(SaveModel, "~/save_model", self._save)
-        self.create_service(LoadModel, "~/load_model", self._load)
         self._action = ActionServer(
             self,
             Identify,
@@ -99,6 +100,7 @@ class PressureCtrl(BhaNode):
         return max(left, 0.0)
 
     def _take_lengths(self, stamp: int, lengths: Array) -> None:
+        check_measured_lengths(lengths)
         self._robot_clock.advance(stamp)
         if self._held is not None:
             self._answer_held()
@@ -126,6 +128,8 @@ class PressureCtrl(BhaNode):
             self._identified = None
 
     def _take_command(self, stamp: int, lengths: Array) -> None:
+        if self._robot_clock.now is None:
+            return  # of no use before the first lengths; diagnostics tell
         check_command_stamp(stamp, self._robot_clock.now, self._settings.max_command_age)
         self._control.command(stamp * 1e-9, lengths)
         self._commanded, self._commander_alive = stamp, True
@@ -203,40 +207,17 @@ class PressureCtrl(BhaNode):
             self._identified.set_result(None)
             self._identified = None
 
-    def _load_at_start(self) -> None:
-        path = self._settings.model_file
-        if path and Path(path).expanduser().exists():
-            self._control.use(EquilibriumModel.load(path, self._settings.robot))
-            self.get_logger().info(f"equilibrium model loaded from {path}")
-        else:
-            self.get_logger().warning(
-                "no equilibrium model yet: venting until ~/identify is called"
-            )
+    def _write_model(self, path: str) -> None:
+        model = self._control.model
+        if model is None:
+            raise ModelRefusedError("there is no model to save: call ~/identify first")
+        model.save(path, self._settings.robot)
 
-    def _save(self, request: SaveModel.Request, response: SaveModel.Response) -> SaveModel.Response:
-        path, model = request.path or self._settings.model_file, self._control.model
-        if not path:
-            response.message = "give a path, or set the parameter model_file"
-        elif model is None:
-            response.message = "there is no model to save: call ~/identify first"
-        else:
-            try:
-                model.save(path, self._settings.robot)
-                response.success, response.message = True, path
-            except OSError as error:
-                response.message = f"{path} cannot be written: {error.strerror}"
-        return response
-
-    def _load(self, request: LoadModel.Request, response: LoadModel.Response) -> LoadModel.Response:
-        path = request.path or self._settings.model_file
+    def _read_model(self, path: str) -> None:
         try:
-            if not path:
-                raise ModelFileError("give a path, or set the parameter model_file")
             self._control.use(EquilibriumModel.load(path, self._settings.robot))
-            response.success, response.message = True, f"loaded {path}"
-        except (ModelFileError, EquilibriumModelError) as error:
-            response.message = f"refused, the model in use stays: {error}"
-        return response
+        except EquilibriumModelError as error:
+            raise ModelRefusedError(str(error)) from error
 
     def diagnose(self) -> tuple[bytes, str, dict[str, str]]:
         """Tell what the controller does and with which model."""
@@ -246,6 +227,8 @@ class PressureCtrl(BhaNode):
             "model": "none" if model is None else f"{model.samples} samples",
             "commander": "alive" if self._commander_alive else "silent",
         }
+        if self._robot_clock.now is None:
+            return WARN, "no lengths yet", values
         summary = {
             PressureControl.NO_MODEL: "no equilibrium model: venting; call ~/identify",
             PressureControl.SILENT: "no valid length_command in time: safe state",
