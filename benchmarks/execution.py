@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import joblib
-from dask.distributed import Client, as_completed
 
 from benchmarks.experiment import Figures, Run, Settings
 from benchmarks.provenance import fingerprint
@@ -74,6 +73,8 @@ def on_a_cluster(jobs: Sequence[Job], address: str) -> Iterator[StoredRun]:
     address : str
         Address of the scheduler, such as "tcp://10.0.0.1:8786". Its workers run this checkout.
     """
+    from dask.distributed import Client, as_completed  # takes seconds, and few need it
+
     with Client(address) as client:
         futures = client.map(_call, jobs, pure=False)
         try:

@@ -12,7 +12,7 @@ from bha_common.files import atomic_write
 
 def to_line(value: Any) -> str:
     """Return a value as one line that `json.loads` gives back exactly, NaN and infinity too."""
-    return json.dumps(value, default=_plain, sort_keys=True)
+    return json.dumps(value, default=_plain)
 
 
 def round_trip(value: Any) -> Any:

@@ -73,7 +73,7 @@ class RunStore:
 
 
 def _key(seed: int, settings: Settings) -> str:
-    return to_line([seed, settings])
+    return to_line([seed, sorted(settings.items())])
 
 
 def _plain(stored: StoredRun) -> StoredRun:
