@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.arm_learning import ArmLearning, reaching_errors
-from benchmarks.experiment import Figures, Settings
+from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary
 from bha_goal_babbling.babbler_config import GoalBabblerConfig
 from bha_goal_babbling.local_linear_map import LocalLinearMaps
 from bha_goal_babbling.planar_arm import PlanarArm
 
 if TYPE_CHECKING:
-    pass
+    from matplotlib.figure import Figure
 
 # The usual efficiency on these arms [m/rad]: without w_eff the rate is multiplied by it, so that
 # examples count as much as before.
