@@ -9,7 +9,8 @@ from typing import Any
 from bha_goal_babbling.errors import InvalidConfigError
 
 NOISE_ORIGINS = ("zero", "home")
-EFFICIENCIES = ("plain", "relative")
+DIRECTIONS = ("plain", "none")
+EFFICIENCIES = ("plain", "relative", "none")
 
 
 @dataclass(frozen=True)
@@ -45,8 +46,11 @@ class GoalBabblerConfig:
         Size of actions [action unit].
     outcome_scale : float
         Size of outcomes [outcome unit].
+    direction : str
+        "plain": w_dir, or "none": 1 for every example, which shows what w_dir is good for.
     efficiency : str
-        "plain": w_eff in scaled units, or "relative": w_eff divided by its own running mean.
+        "plain": w_eff in scaled units, "relative": w_eff divided by its own running mean, or
+        "none": 1 for every example that moved the action, which shows what w_eff is good for.
     efficiency_limit : float or None
         Largest efficiency that counts; None for no limit.
     action_resolution : float
@@ -66,6 +70,7 @@ class GoalBabblerConfig:
     home_probability: float = 0.1
     action_scale: float = 1.0
     outcome_scale: float = 1.0
+    direction: str = "plain"
     efficiency: str = "plain"
     efficiency_limit: float | None = None
     action_resolution: float = 0.0
@@ -91,7 +96,11 @@ class GoalBabblerConfig:
             value = getattr(self, name)
             if not isinstance(value, int) or isinstance(value, bool) or value < 1:
                 raise InvalidConfigError(f"{name} must be a whole number above 0, got {value!r}")
-        for name, choices in (("noise_origin", NOISE_ORIGINS), ("efficiency", EFFICIENCIES)):
+        for name, choices in (
+            ("noise_origin", NOISE_ORIGINS),
+            ("direction", DIRECTIONS),
+            ("efficiency", EFFICIENCIES),
+        ):
             if getattr(self, name) not in choices:
                 raise InvalidConfigError(
                     f"{name} must be one of {', '.join(choices)}, got {getattr(self, name)!r}"

@@ -77,6 +77,8 @@ class SampleWeights:
         Divide the efficiency by its running mean first, so that no unit is left in it.
     action_resolution, outcome_resolution : float
         See `movement_efficiency` and `direction_weight`.
+    use_direction, use_efficiency : bool
+        False leaves w_dir at 1, or w_eff at 1 for every step that moved the action.
     """
 
     def __init__(
@@ -85,6 +87,8 @@ class SampleWeights:
         relative: bool = False,
         action_resolution: float = 0.0,
         outcome_resolution: float = 0.0,
+        use_direction: bool = True,
+        use_efficiency: bool = True,
     ) -> None:
         if limit is not None and not limit > 0:
             raise InvalidConfigError(f"limit must be above 0 or None, got {limit}")
@@ -92,6 +96,8 @@ class SampleWeights:
         self._relative = relative
         self._action_resolution = action_resolution
         self._outcome_resolution = outcome_resolution
+        self._use_direction = use_direction
+        self._use_efficiency = use_efficiency
         self._mean = _MEAN_START
         self._count = 0
 
@@ -99,12 +105,18 @@ class SampleWeights:
         self, target_step: FloatArray, action_step: FloatArray, outcome_step: FloatArray
     ) -> float:
         """Return w = w_dir w_eff of a step towards a goal."""
-        direction = direction_weight(target_step, outcome_step, self._outcome_resolution)
-        return direction * self.of_home_step(action_step, outcome_step)
+        efficiency = self.of_home_step(action_step, outcome_step)
+        if not self._use_direction:
+            return efficiency
+        return efficiency * direction_weight(target_step, outcome_step, self._outcome_resolution)
 
     def of_home_step(self, action_step: FloatArray, outcome_step: FloatArray) -> float:
         """Return w = w_eff of a step towards home, which intends no direction of the outcome."""
         efficiency = movement_efficiency(action_step, outcome_step, self._action_resolution)
+        if not self._use_efficiency:
+            # A stuck robot teaches nothing, whatever is weighted.
+            moved = action_step.dot(action_step) > self._action_resolution**2
+            return 1.0 if moved else 0.0
         if self._relative:
             efficiency = self._divided_by_mean(efficiency)
         return efficiency if self._limit is None else min(efficiency, self._limit)

@@ -39,6 +39,8 @@ class ScaledModel:
             config.efficiency == "relative",
             config.action_resolution / config.action_scale,
             config.outcome_resolution / config.outcome_scale,
+            config.direction == "plain",
+            config.efficiency != "none",
         )
 
     @classmethod

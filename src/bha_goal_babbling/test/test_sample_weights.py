@@ -104,3 +104,13 @@ def test_refuses_a_limit_that_lets_nothing_pass() -> None:
     """The limit is above zero."""
     with pytest.raises(InvalidConfigError, match="above 0"):
         SampleWeights(limit=0.0)
+
+
+def test_weights_can_be_left_out() -> None:
+    """What is left out is 1, except where nothing was moved."""
+    undirected = SampleWeights(use_direction=False)
+    assert undirected.of_goal_step(RIGHT, UP, -2.0 * RIGHT) == pytest.approx(2.0)
+    inefficient = SampleWeights(use_efficiency=False)
+    assert inefficient.of_goal_step(RIGHT, UP, 2.0 * UP) == pytest.approx(0.5)
+    assert inefficient.of_home_step(UP, ZERO) == 1.0
+    assert inefficient.of_home_step(ZERO, UP) == 0.0
