@@ -51,7 +51,7 @@ class MonitoredGoalPaths:
         if abort_distance is not None and not abort_distance > 0:
             raise InvalidConfigError(f"abort_distance must be above 0 or None: {abort_distance}")
         home = vector("home_outcome", home_outcome, self.size)
-        self._errors = np.linalg.norm(self._goals - home, axis=1)
+        self._errors: FloatArray = np.linalg.norm(self._goals - home, axis=1)
         self._choice = LargestErrorChoice(candidates)
         self._candidates = candidates
         self._steps = steps

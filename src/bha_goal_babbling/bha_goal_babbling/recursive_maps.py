@@ -28,6 +28,7 @@ maps whose covariances between maps are left out:
 import dataclasses
 import math
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -178,7 +179,8 @@ class RecursiveMaps:
         local = parameters[:, 0] + np.einsum("kn,knm->km", z, parameters[:, 1:])
         shift = 2.0 * h[:, np.newaxis] * (h @ (z / distances) - z / distances)
         slope: FloatArray = np.einsum("k,knm->mn", h, parameters[:, 1:] / distances[:, np.newaxis])
-        return slope + local.T @ shift
+        slope += local.T @ shift
+        return slope
 
     def insert(self, outcome: FloatArray) -> None:
         """Add a map at an outcome, shape (n,), that leaves g and dg/dx there as they were."""
@@ -215,7 +217,7 @@ class RecursiveMaps:
         return SavedState(arrays, settings)
 
     @classmethod
-    def restore(cls, state: SavedState) -> "RecursiveMaps":
+    def restore(cls, state: SavedState) -> Self:
         """Return the maps whose snapshot this is; they continue bit for bit."""
         names = ("centers", "distances", "parameters", "covariances")
         centers, distances, parameters, covariances = (

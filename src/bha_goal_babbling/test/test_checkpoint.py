@@ -98,8 +98,8 @@ def test_checkpoints_from_before_newer_settings_still_load(tmp_path: Path) -> No
     run(learner, 30)
     save_checkpoint(tmp_path / "a.npz", Checkpoint(learner, "arm", 3.5), robot="arm")
     file = load_versioned(tmp_path / "a.npz", kind=KIND, version=VERSION, robot="arm")
-    old = "path_steps home_probability noise_spread noise_step map_distance learning_rate".split()
-    config = {name: file.settings["babbler"]["config"][name] for name in old}
+    config = file.settings["babbler"]["config"]
+    config = {name: config[name] for name in ("path_steps", "home_probability", "noise_spread")}
     settings = {**file.settings, "babbler": {**file.settings["babbler"], "config": config}}
     save_versioned(
         tmp_path / "b.npz",

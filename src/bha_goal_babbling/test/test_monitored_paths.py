@@ -18,7 +18,7 @@ def paths(candidates: int = 1, abort_distance: float | None = 0.5) -> MonitoredG
 def finish(source: MonitoredGoalPaths, miss: float) -> int:
     """Follow the path, each outcome `miss` beside its target, and return the number of steps."""
     steps = 1
-    while not source.advance(STILL, source.target() + [0.0, miss]):
+    while not source.advance(STILL, source.target() + np.array([0.0, miss])):
         steps += 1
     return steps
 
@@ -109,7 +109,7 @@ def test_restored_paths_go_on(aborted: bool) -> None:
         over = aborted and number == 0
         if not over:
             np.testing.assert_array_equal(twin.target(), source.target())
-            outcome = source.target() + [0.01 * number, 0.0]
+            outcome = source.target() + np.array([0.01 * number, 0.0])
             over = source.advance(STILL, outcome)
             assert twin.advance(STILL, outcome) == over
         if over:
@@ -124,12 +124,12 @@ def test_restored_paths_go_on(aborted: bool) -> None:
     "wrong", [{"candidates": 0}, {"abort_distance": 0.0}, {"steps": 0}, {"goals": GOALS[:1]}]
 )
 def test_refuses_settings_out_of_range(wrong: dict) -> None:
-    with pytest.raises(InvalidConfigError, match="must|at least|needs"):
+    with pytest.raises(InvalidConfigError, match=r"must|at least|needs"):
         MonitoredGoalPaths(**{"goals": GOALS, "steps": 5, "home_outcome": HOME, **wrong})
 
 
 @pytest.mark.parametrize("wrong", [{"next": 6}, {"last_goal": 4}])
 def test_refuses_snapshots_beyond_the_ends(wrong: dict) -> None:
     state = paths().state()
-    with pytest.raises(InvalidConfigError, match="next|last"):
+    with pytest.raises(InvalidConfigError, match=r"next|last"):
         MonitoredGoalPaths.restore(type(state)(state.arrays, {**state.settings, **wrong}))
