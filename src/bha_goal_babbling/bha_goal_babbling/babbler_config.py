@@ -106,7 +106,7 @@ class GoalBabblerConfig:
     noise_floor: float = 0.0
     final_map_distance: float | None = None
     shrink_samples: float = 500.0
-    covariance: float = 3.0
+    covariance: float = 4.0
     covariance_limit: float = 10.0
     process_noise: float = 0.15
     blend_samples: float = 1000.0

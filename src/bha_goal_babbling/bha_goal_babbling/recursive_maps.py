@@ -67,7 +67,7 @@ class RecursiveMapsConfig:
     distance: float = 0.1
     final_distance: float = 0.05
     shrink_samples: float = 500.0
-    covariance: float = 3.0
+    covariance: float = 4.0
     covariance_limit: float = 10.0
     process_noise: float = 0.15
     blend_samples: float = 1000.0
