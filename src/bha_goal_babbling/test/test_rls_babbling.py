@@ -78,7 +78,7 @@ def test_a_lower_gain_averages_sensor_noise() -> None:
         return float(np.median(errors(arm, babbler)))
 
     clean = [error(seed, GoalBabblerConfig.rls()) for seed in range(2)]
-    careful = [error(seed, GoalBabblerConfig.rls(process_noise=0.02)) for seed in range(2)]
+    careful = [error(seed, GoalBabblerConfig.rls(process_noise=0.005)) for seed in range(2)]
     assert np.mean(careful) < np.mean(clean) < 0.01
 
 
