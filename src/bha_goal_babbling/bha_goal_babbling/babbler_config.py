@@ -11,6 +11,7 @@ from bha_goal_babbling.errors import InvalidConfigError
 NOISE_ORIGINS = ("zero", "home")
 DIRECTIONS = ("plain", "none")
 EFFICIENCIES = ("plain", "relative", "none")
+MODELS = ("local_linear_maps", "recursive_maps")
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,33 @@ class GoalBabblerConfig:
         Steps of the outcome not longer than this have no direction [outcome unit].
     error_window : int
         Number of movements over which `GoalBabbler.recent_error` looks back.
+    model : str
+        "local_linear_maps": a gradient step on the blend, as in the literature, or
+        "recursive_maps": recursive least squares a map (see `rls`).
+    goal_candidates : int
+        Of as many random goals the one with the largest last error comes next.
+    abort_distance : float or None
+        Distance between target and outcome at which a path is given up and the next one starts at
+        what was observed [outcome unit]; None never gives up.
+    noise_per_error : float or None
+        Amplitude of the noise per last error of the goal [action unit per outcome unit], not above
+        `noise_spread`; None for `noise_spread` always.
+    noise_floor : float
+        Smallest amplitude of the noise where `noise_per_error` is set [action unit].
+    final_map_distance : float or None
+        What the reach of new recursive maps shrinks to [outcome unit]; None for `map_distance`.
+    shrink_samples : float
+        Number of samples n0 in map_distance / sqrt(1 + n / n0), the reach after n samples.
+    covariance : float
+        Variance of the parameters of a new recursive map, in that of an example of weight 1: how
+        far an example may draw a new map away from what its neighbours said.
+    covariance_limit : float
+        Largest variance of a parameter of a recursive map, in the same unit.
+    process_noise : float
+        Variance that an example of weight 1 adds to the parameters of a recursive map, in the same
+        unit: 0 ends in plain least squares, a larger one follows a robot that changes.
+    blend_samples : float
+        Number of samples after which recursive maps learn what their blend misses.
     """
 
     map_distance: float = 0.07
@@ -76,6 +104,17 @@ class GoalBabblerConfig:
     action_resolution: float = 0.0
     outcome_resolution: float = 0.0
     error_window: int = 20
+    model: str = "local_linear_maps"
+    goal_candidates: int = 1
+    abort_distance: float | None = None
+    noise_per_error: float | None = None
+    noise_floor: float = 0.0
+    final_map_distance: float | None = None
+    shrink_samples: float = 500.0
+    covariance: float = 4.0
+    covariance_limit: float = 10.0
+    process_noise: float = 0.15
+    blend_samples: float = 1000.0
 
     def __post_init__(self) -> None:
         """Check every setting.
@@ -85,14 +124,36 @@ class GoalBabblerConfig:
         InvalidConfigError
             Naming the setting, its value, and what would be right.
         """
-        for name in ("map_distance", "learning_rate", "action_scale", "outcome_scale"):
+        for name in (
+            "map_distance",
+            "learning_rate",
+            "action_scale",
+            "outcome_scale",
+            "shrink_samples",
+            "covariance",
+            "covariance_limit",
+        ):
             self._check_number(name, lambda value: value > 0, "above 0")
-        for name in ("noise_spread", "noise_step", "action_resolution", "outcome_resolution"):
+        for name in (
+            "noise_spread",
+            "noise_step",
+            "noise_floor",
+            "action_resolution",
+            "outcome_resolution",
+            "process_noise",
+            "blend_samples",
+        ):
             self._check_number(name, lambda value: value >= 0, "0 or above")
         self._check_number("home_probability", lambda value: 0 <= value <= 1, "in 0 to 1")
-        if self.efficiency_limit is not None:
-            self._check_number("efficiency_limit", lambda value: value > 0, "above 0, or null")
-        for name in ("path_steps", "error_window"):
+        for name in (
+            "efficiency_limit",
+            "abort_distance",
+            "noise_per_error",
+            "final_map_distance",
+        ):
+            if getattr(self, name) is not None:
+                self._check_number(name, lambda value: value > 0, "above 0, or null")
+        for name in ("path_steps", "error_window", "goal_candidates"):
             value = getattr(self, name)
             if not isinstance(value, int) or isinstance(value, bool) or value < 1:
                 raise InvalidConfigError(f"{name} must be a whole number above 0, got {value!r}")
@@ -100,11 +161,49 @@ class GoalBabblerConfig:
             ("noise_origin", NOISE_ORIGINS),
             ("direction", DIRECTIONS),
             ("efficiency", EFFICIENCIES),
+            ("model", MODELS),
         ):
             if getattr(self, name) not in choices:
                 raise InvalidConfigError(
                     f"{name} must be one of {', '.join(choices)}, got {getattr(self, name)!r}"
                 )
+
+    @property
+    def monitors_goals(self) -> bool:
+        """Whether any setting asks for the errors of single goals."""
+        return (
+            self.goal_candidates > 1
+            or self.abort_distance is not None
+            or self.noise_per_error is not None
+        )
+
+    @classmethod
+    def rls(cls, **settings: Any) -> "GoalBabblerConfig":
+        """Return the settings of RLS goal babbling for planar arms of 1 m, with some changed.
+
+        Recursive least squares a map learns more from an example than a gradient step does, so
+        exploration can be bolder as well: short paths that are given up early, white noise as
+        strong as the goal's error, and goals that were missed more often.
+
+        Parameters
+        ----------
+        **settings
+            Settings that differ, by name.
+        """
+        recipe: dict[str, Any] = {
+            "model": "recursive_maps",
+            "map_distance": 0.1,
+            "final_map_distance": 0.05,
+            "noise_spread": 0.03,
+            "noise_step": 0.1,
+            "noise_per_error": 0.3,
+            "noise_floor": 0.005,
+            "path_steps": 5,
+            "goal_candidates": 3,
+            "abort_distance": 0.1,
+            "efficiency": "relative",
+        }
+        return cls(**{**recipe, **settings})
 
     @classmethod
     def from_mapping(cls, settings: Mapping[str, Any]) -> "GoalBabblerConfig":

@@ -7,6 +7,8 @@ edge of what can be reached, a new direction is drawn and counted from what was 
 "Goal babbling with unknown ranges: a direction-sampling approach", 2013).
 """
 
+import math
+
 import numpy as np
 
 from bha_goal_babbling.arrays import FloatArray, vector
@@ -59,7 +61,12 @@ class DirectionTargets:
         """Return the target of the present step, shape (n,)."""
         return self._target
 
-    def advance(self, outcome_step: FloatArray) -> bool:
+    @property
+    def goal_error(self) -> float:
+        """Infinite: no account is kept of errors."""
+        return math.inf
+
+    def advance(self, outcome_step: FloatArray, outcome: FloatArray | None = None) -> bool:
         """Go on in the same direction and return whether the outcome moved against it."""
         if float(self._advance.dot(outcome_step)) < 0.0:
             return True

@@ -24,7 +24,9 @@ from bha_goal_babbling.errors import InvalidArrayError, InvalidConfigError, Wron
 from bha_goal_babbling.exploration_noise import ExplorationNoise
 from bha_goal_babbling.goal_paths import GoalPaths
 from bha_goal_babbling.inverse_model import InverseModel
+from bha_goal_babbling.monitored_paths import MonitoredGoalPaths
 from bha_goal_babbling.movements import Movements, restored_targets
+from bha_goal_babbling.noise_amplitude import NoiseAmplitude
 from bha_goal_babbling.random_state import generator_settings, restored_generator
 from bha_goal_babbling.recent_error import RecentError
 from bha_goal_babbling.saved_state import SavedState
@@ -81,7 +83,7 @@ class GoalBabbler:
                 f"home_action must lie within the limits, got {self._home_action.tolist()} "
                 f"for {self._low.tolist()} to {self._high.tolist()}"
             )
-        targets = goals if isinstance(goals, TargetSource) else GoalPaths(goals, config.path_steps)
+        targets = goals if isinstance(goals, TargetSource) else self._paths(goals)
         if targets.size != n:
             raise InvalidArrayError(f"goals have {targets.size} coordinates, home_outcome has {n}")
         self._movements = Movements(
@@ -98,6 +100,9 @@ class GoalBabbler:
         )
         self._rng = rng
         self._noise = ExplorationNoise(config.noise_spread, config.noise_step, m, n, rng)
+        self._amplitude = NoiseAmplitude(
+            config.noise_spread, config.noise_floor, config.noise_per_error
+        )
         self._noise_origin = np.zeros(n) if config.noise_origin == "zero" else self._home_outcome
         self._pending: FloatArray | None = None
         self._action = self._home_action  # the last q that was executed
@@ -196,7 +201,8 @@ class GoalBabbler:
         self._action, self._outcome = action, outcome
         self._pending = None
         self._samples += 1
-        if self._movements.advance(outcome_step) and learn and not self._movements.going_home:
+        over = self._movements.advance(outcome_step, outcome if learn else None)
+        if over and learn and not self._movements.going_home:
             self._error.add(math.sqrt(float(miss.dot(miss))))
 
     def inverse(self, goal: ArrayLike) -> FloatArray:
@@ -284,4 +290,17 @@ class GoalBabbler:
         target = self._movements.target
         self._noise.advance(self._rng)
         noise = self._noise.at((target - self._noise_origin) / self.config.outcome_scale)
-        return self._learned.predict(target) + noise
+        share = self._amplitude.share(self._movements.goal_error)
+        return self._learned.predict(target) + share * noise
+
+    def _paths(self, goals: ArrayLike) -> TargetSource:
+        config = self.config
+        if not config.monitors_goals:
+            return GoalPaths(goals, config.path_steps)
+        return MonitoredGoalPaths(
+            goals,
+            config.path_steps,
+            self._home_outcome,
+            config.goal_candidates,
+            config.abort_distance,
+        )

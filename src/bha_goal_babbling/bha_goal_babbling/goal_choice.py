@@ -1,7 +1,8 @@
-"""Which goal comes next: one of a finite set, at random, never the same twice running."""
+"""Which goal comes next: one of a finite set, never the same twice running."""
 
 import numpy as np
 
+from bha_goal_babbling.arrays import FloatArray
 from bha_goal_babbling.errors import InvalidConfigError
 
 
@@ -32,4 +33,33 @@ class RandomGoalChoice:
             # One of the other goals: those behind the last one move up by one.
             index = int(rng.integers(self._count - 1))
             self.last = index if index < self.last else index + 1
+        return self.last
+
+
+class LargestErrorChoice:
+    """Draws a few goals at random, and of these takes the one with the largest last error.
+
+    What goes wrong is exercised more often, yet every goal comes again and again: a goal whose
+    error cannot be helped takes up a part of the movements and no more.
+
+    Parameters
+    ----------
+    candidates : int
+        Number of goals drawn; with 1 this is `RandomGoalChoice`.
+    last : int
+        Index that must not come first, -1 for none.
+    """
+
+    def __init__(self, candidates: int, last: int = -1) -> None:
+        if candidates < 1:
+            raise InvalidConfigError(f"at least 1 goal must be drawn, got {candidates}")
+        self._candidates = candidates
+        self.last = last
+
+    def choose(self, errors: FloatArray, rng: np.random.Generator) -> int:
+        """Return the index of the next goal, given the last errors of all goals, shape (G,)."""
+        drawn = [
+            RandomGoalChoice(len(errors), self.last).choose(rng) for _ in range(self._candidates)
+        ]
+        self.last = max(drawn, key=lambda goal: float(errors[goal]))
         return self.last

@@ -1,5 +1,7 @@
 """Straight paths: from goal to goal in the space of outcomes, or home in the space of actions."""
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -78,7 +80,12 @@ class GoalPaths:
         point: FloatArray = self._path[self._next]
         return point
 
-    def advance(self, outcome_step: FloatArray) -> bool:
+    @property
+    def goal_error(self) -> float:
+        """Infinite: no account is kept of errors."""
+        return math.inf
+
+    def advance(self, outcome_step: FloatArray, outcome: FloatArray | None = None) -> bool:
         """Go on to the next step and return whether the goal was the last."""
         self._next += 1
         return self._next == len(self._path)

@@ -8,11 +8,13 @@ from bha_goal_babbling.arrays import FloatArray, vector
 from bha_goal_babbling.direction_sampling import DirectionTargets
 from bha_goal_babbling.errors import InvalidConfigError
 from bha_goal_babbling.goal_paths import GoalPaths, matrix_or_empty, straight_line
+from bha_goal_babbling.monitored_paths import MonitoredGoalPaths
 from bha_goal_babbling.saved_state import SavedState
 from bha_goal_babbling.target_source import TargetSource
 
 _RESTORE: dict[str, Callable[[SavedState], TargetSource]] = {
     GoalPaths.kind: GoalPaths.restore,
+    MonitoredGoalPaths.kind: MonitoredGoalPaths.restore,
     DirectionTargets.kind: DirectionTargets.restore,
 }
 
@@ -65,6 +67,11 @@ class Movements:
         return self.target - self._previous
 
     @property
+    def goal_error(self) -> float:
+        """Last known error of the goal under way, in the unit of outcomes; inf when unknown."""
+        return self._targets.goal_error
+
+    @property
     def home_step(self) -> FloatArray:
         """Action of the present step of a movement home, shape (m,)."""
         action: FloatArray = self._home_path[0]
@@ -89,20 +96,22 @@ class Movements:
         else:
             self._previous = self._targets.begin(self._previous, outcome, rng)
 
-    def advance(self, outcome_step: FloatArray) -> bool:
+    def advance(self, outcome_step: FloatArray, outcome: FloatArray | None = None) -> bool:
         """Go on to the next step and return whether the movement is over.
 
         Parameters
         ----------
         outcome_step : array
             What the present step has brought, x_t - x_{t-1}, shape (n,).
+        outcome : array, optional
+            x_t, shape (n,); left out when what was observed is not to be trusted.
         """
         self._previous = self.target
         if self.going_home:
             self._home_path = self._home_path[1:]
             self._over = len(self._home_path) == 0
         else:
-            self._over = self._targets.advance(outcome_step)
+            self._over = self._targets.advance(outcome_step, outcome)
         self.count += self._over
         return self._over
 

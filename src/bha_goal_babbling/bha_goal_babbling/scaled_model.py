@@ -8,14 +8,17 @@ from collections.abc import Callable
 
 from bha_goal_babbling.arrays import FloatArray
 from bha_goal_babbling.babbler_config import GoalBabblerConfig
+from bha_goal_babbling.compiled_recursive_maps import CompiledRecursiveMaps
 from bha_goal_babbling.errors import InvalidConfigError
 from bha_goal_babbling.inverse_model import InverseModel
 from bha_goal_babbling.local_linear_map import LocalLinearMaps
+from bha_goal_babbling.recursive_maps import RecursiveMapsConfig
 from bha_goal_babbling.sample_weights import SampleWeights
 from bha_goal_babbling.saved_state import SavedState
 
 _RESTORE: dict[str, Callable[[SavedState], InverseModel]] = {
     LocalLinearMaps.kind: LocalLinearMaps.restore,
+    CompiledRecursiveMaps.kind: CompiledRecursiveMaps.restore,
 }
 
 
@@ -47,7 +50,7 @@ class ScaledModel:
     def at_home(
         cls, config: GoalBabblerConfig, home_action: FloatArray, home_outcome: FloatArray
     ) -> "ScaledModel":
-        """Return local linear maps that answer every goal with the home action.
+        """Return a model of the kind `config.model` that answers every goal with the home action.
 
         Parameters
         ----------
@@ -56,13 +59,21 @@ class ScaledModel:
         home_action, home_outcome : array
             Home, shapes (m,) and (n,).
         """
-        maps = LocalLinearMaps(
-            config.map_distance / config.outcome_scale,
-            config.learning_rate,
-            home_outcome / config.outcome_scale,
-            home_action / config.action_scale,
+        distance = config.map_distance / config.outcome_scale
+        home = (home_outcome / config.outcome_scale, home_action / config.action_scale)
+        if config.model == LocalLinearMaps.kind:
+            return cls(config, LocalLinearMaps(distance, config.learning_rate, *home))
+        final = config.final_map_distance
+        recursive = RecursiveMapsConfig(
+            distance,
+            distance if final is None else final / config.outcome_scale,
+            config.shrink_samples,
+            config.covariance,
+            config.covariance_limit,
+            config.process_noise,
+            config.blend_samples,
         )
-        return cls(config, maps)
+        return cls(config, CompiledRecursiveMaps(recursive, *home))
 
     def predict(self, outcome: FloatArray) -> FloatArray:
         """Return g at one outcome, shape (n,), as an action, shape (m,)."""

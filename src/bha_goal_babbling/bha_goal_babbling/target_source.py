@@ -43,13 +43,20 @@ class TargetSource(Protocol):
         """Return the target of the present step."""
         ...
 
-    def advance(self, outcome_step: FloatArray) -> bool:
+    @property
+    def goal_error(self) -> float:
+        """Last known error of the goal under way, in the unit of outcomes; inf when unknown."""
+        ...
+
+    def advance(self, outcome_step: FloatArray, outcome: FloatArray | None = None) -> bool:
         """Go on to the next step and return whether there is none, the movement being over.
 
         Parameters
         ----------
         outcome_step : array
             What the present step has brought, x_t - x_{t-1}, shape (n,).
+        outcome : array, optional
+            x_t, shape (n,); left out when what was observed is not to be trusted.
         """
         ...
 

@@ -41,6 +41,17 @@ def test_is_frozen() -> None:
         ("noise_origin", 0),
         ("action_resolution", -1e-3),
         ("error_window", 0),
+        ("model", "elm"),
+        ("goal_candidates", 0),
+        ("abort_distance", 0.0),
+        ("noise_per_error", -1.0),
+        ("noise_floor", -0.1),
+        ("final_map_distance", 0.0),
+        ("shrink_samples", 0.0),
+        ("covariance", 0.0),
+        ("covariance_limit", 0.0),
+        ("process_noise", -0.1),
+        ("blend_samples", -1.0),
     ],
 )
 def test_refuses_values_out_of_range(name: str, value: Any) -> None:
@@ -54,3 +65,13 @@ def test_unknown_name_lists_the_valid_ones() -> None:
     """A misspelt name is not passed over."""
     with pytest.raises(InvalidConfigError, match=r"unknown setting eta; valid are .*learning_rate"):
         GoalBabblerConfig.from_mapping({"eta": 0.1})
+
+
+def test_rls_is_a_recipe_that_can_be_changed() -> None:
+    """It asks for recursive maps and for the errors of goals; the defaults ask for neither."""
+    config = GoalBabblerConfig.rls(path_steps=7)
+    assert (config.model, config.path_steps, config.monitors_goals) == ("recursive_maps", 7, True)
+    assert GoalBabblerConfig.from_mapping(config.as_mapping()) == config
+    assert not GoalBabblerConfig().monitors_goals
+    with pytest.raises(InvalidConfigError, match="path_steps"):
+        GoalBabblerConfig.rls(path_steps=0)

@@ -68,6 +68,51 @@ def test_relative_weights_continue(tmp_path: Path) -> None:
     np.testing.assert_array_equal(run(twin, 300), run(learner, 300))
 
 
+@pytest.mark.parametrize("samples", [0, 3, 100, 1100])
+@pytest.mark.parametrize("asked", [False, True])
+def test_recursive_maps_continue(tmp_path: Path, samples: int, asked: bool) -> None:
+    """Covariances, errors of goals, paths that were given up: all of it."""
+    home, limits = ARM.home(), np.full(4, 3.0)
+    learner = GoalBabbler(
+        GoalBabblerConfig.rls(),
+        ARM.goal_grid(),
+        home,
+        ARM.forward(home),
+        -limits,
+        limits,
+        np.random.default_rng(5),
+    )
+    run(learner, samples)
+    if asked:
+        learner.ask()
+    save_checkpoint(tmp_path / "a.npz", Checkpoint(learner), robot="arm")
+    twin = load_checkpoint(tmp_path / "a.npz", robot="arm").babbler
+    np.testing.assert_array_equal(run(twin, 200), run(learner, 200))
+    goals = ARM.goal_grid()
+    np.testing.assert_array_equal(twin.inverse(goals), learner.inverse(goals))
+
+
+def test_checkpoints_from_before_newer_settings_still_load(tmp_path: Path) -> None:
+    """What a file does not say is as it was then: the defaults."""
+    learner = babbler()
+    run(learner, 30)
+    save_checkpoint(tmp_path / "a.npz", Checkpoint(learner, "arm", 3.5), robot="arm")
+    file = load_versioned(tmp_path / "a.npz", kind=KIND, version=VERSION, robot="arm")
+    config = file.settings["babbler"]["config"]
+    config = {name: config[name] for name in ("path_steps", "home_probability", "noise_spread")}
+    settings = {**file.settings, "babbler": {**file.settings["babbler"], "config": config}}
+    save_versioned(
+        tmp_path / "b.npz",
+        kind=KIND,
+        version=VERSION,
+        robot="arm",
+        arrays=file.arrays,
+        settings=settings,
+    )
+    twin = load_checkpoint(tmp_path / "b.npz", robot="arm").babbler
+    np.testing.assert_array_equal(run(twin, 100), run(learner, 100))
+
+
 def test_snapshot_does_not_change_with_the_learner() -> None:
     """What was taken is a copy."""
     learner = babbler()

@@ -75,6 +75,28 @@ def test_units_do_not_matter_when_the_scales_follow(
     )
 
 
+def test_recursive_maps_with_relative_weights_need_no_scales() -> None:
+    """Weights without a unit leave nothing that depends on the unit of actions or outcomes."""
+    settings = {"model": "recursive_maps", "efficiency": "relative"}
+    model = ScaledModel.at_home(
+        GoalBabblerConfig(map_distance=0.2, **settings), HOME_ACTION, HOME_OUTCOME
+    )
+    other = ScaledModel.at_home(
+        GoalBabblerConfig(map_distance=200.0, action_scale=1.0, **settings),
+        57.3 * HOME_ACTION,
+        1e3 * HOME_OUTCOME,
+    )
+    other._weights._mean *= 1e3 / 57.3  # the guess that the mean starts with has the plain unit
+    rng = np.random.default_rng(1)
+    for _ in range(300):
+        q, x, dq, dx, dt = example(rng)
+        model.learn(q, x, dq, dx, dt)
+        other.learn(57.3 * q, 1e3 * x, 57.3 * dq, 1e3 * dx, 1e3 * dt)
+    xs = rng.uniform(-1, 1, (20, 2))
+    expected = 57.3 * model.predict_many(xs)
+    np.testing.assert_allclose(other.predict_many(1e3 * xs), expected, rtol=1e-8, atol=1e-8)
+
+
 def test_examples_without_worth_change_nothing() -> None:
     """Against the intention, or without a movement: no step, and no new map far away either."""
     model = ScaledModel.at_home(CONFIG, HOME_ACTION, HOME_OUTCOME)
@@ -98,12 +120,14 @@ def test_steps_within_the_resolution_are_not_learned() -> None:
 
 
 @pytest.mark.parametrize("efficiency", ["plain", "relative"])
-def test_restored_continues_bit_for_bit(efficiency: str) -> None:
-    config = GoalBabblerConfig(efficiency=efficiency, efficiency_limit=2.0)
+@pytest.mark.parametrize("kind", ["local_linear_maps", "recursive_maps"])
+def test_restored_continues_bit_for_bit(efficiency: str, kind: str) -> None:
+    config = GoalBabblerConfig(efficiency=efficiency, efficiency_limit=2.0, model=kind)
     model, rng = ScaledModel.at_home(config, HOME_ACTION, HOME_OUTCOME), np.random.default_rng(2)
     for _ in range(30):
         model.learn(*example(rng))
     twin = ScaledModel.restore(config, model.state())
+    assert twin.model.kind == kind
     for _ in range(30):
         given = example(rng)
         model.learn(*given)
