@@ -136,6 +136,10 @@ class CompiledGoalBabbler:
             mean=np.array([MEAN_START]),
             # Learning starts at home, as after a movement home.
             numbers=np.array([1, 1, 0, 0, -1, 0]),
+            new_action=np.zeros(m),
+            scaled_action=np.zeros(m),
+            new_outcome=np.zeros(n),
+            scaled_outcome=np.zeros(n),
         )
         self._maps = CompiledMaps(
             config.map_distance / config.outcome_scale,

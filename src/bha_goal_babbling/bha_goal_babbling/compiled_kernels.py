@@ -20,6 +20,8 @@ from typing import Any, NamedTuple, TypeVar
 
 import numba
 import numpy as np
+from numba.np.random._constants import fi_double, ki_double, wi_double
+from numba.np.random.generator_core import next_uint64
 from numpy.typing import NDArray
 
 from bha_goal_babbling.arrays import FloatArray
@@ -37,9 +39,31 @@ FORWARD_SIGNATURE = numba.types.void(_VECTOR, _VECTOR)
 
 
 def compiled(function: Function) -> Function:
-    """Compile a function, and keep its machine code on disk."""
-    result: Function = numba.njit(cache=True, fastmath=_MATH, error_model="numpy")(function)
+    """Compile a function, and keep its machine code on disk.
+
+    Without numba's run time a function cannot allocate, but counts no references to arrays
+    either: counting is atomic, and would take more time than the arithmetic.
+    """
+    return _compiled(function, run_time=False)
+
+
+def compiled_with_run_time(function: Function) -> Function:
+    """Compile a function that needs numba's run time; for what does not run at every step."""
+    return _compiled(function, run_time=True)
+
+
+def _compiled(function: Function, *, run_time: bool) -> Function:
+    result: Function = numba.njit(
+        cache=True, fastmath=_MATH, error_model="numpy", _nrt=run_time
+    )(function)
     return result
+
+
+@compiled
+def _copy(source: FloatArray, target: FloatArray) -> None:
+    """Copy an array over the beginning of another; numba's own way may allocate."""
+    for i in range(len(source)):
+        target[i] = source[i]
 
 
 class Maps(NamedTuple):
@@ -59,6 +83,8 @@ class Maps(NamedTuple):
     near_counts : How many they are, shape (cells,).
     squared, chosen, features : Room for |z_k|^2, for the maps that count, and for their
         h_k [1, z_k]; shapes (capacity,), (capacity,) and (capacity, 1 + n).
+    cell, mean, residual : Room for the coordinates of a cell, a mean of z_k, and q - g(x); shapes
+        (n,), (n,) and (m,).
     """
 
     distance: float
@@ -75,6 +101,9 @@ class Maps(NamedTuple):
     squared: FloatArray
     chosen: IntArray
     features: FloatArray
+    cell: IntArray
+    mean: FloatArray
+    residual: FloatArray
 
 
 @compiled
@@ -103,8 +132,9 @@ def _find_slot(maps: Maps, cell: IntArray) -> int:
 
 
 @compiled
-def _cell_at(maps: Maps, outcome: FloatArray, cell: IntArray) -> int:
-    """Return the index of the cell around an outcome, -1 if no map is near; fills `cell`."""
+def _cell_at(maps: Maps, outcome: FloatArray) -> int:
+    """Return the index of the cell around an outcome, -1 if no map is near."""
+    cell = maps.cell
     for i in range(len(outcome)):
         cell[i] = np.int64(math.floor(outcome[i] / maps.distance))
     return maps.slots[_find_slot(maps, cell)]
@@ -117,7 +147,7 @@ def register(maps: Maps, index: int) -> None:
         return
     n = maps.centers.shape[1]
     side = 2 * maps.radius + 1
-    cell = np.empty(n, np.int64)
+    cell = maps.cell
     for block in range(side**n):
         rest = block
         for i in range(n):
@@ -126,7 +156,8 @@ def register(maps: Maps, index: int) -> None:
             rest //= side
         slot = _find_slot(maps, cell)
         if maps.slots[slot] < 0:
-            maps.coordinates[slot] = cell
+            for i in range(n):
+                maps.coordinates[slot, i] = cell[i]
             maps.slots[slot] = maps.counts[1]
             maps.counts[1] += 1
         entry = maps.slots[slot]
@@ -152,11 +183,13 @@ def _measure(maps: Maps, outcome: FloatArray, cell: int) -> float:
     nearest = np.inf
     n = len(outcome)
     total = maps.counts[0] if cell < 0 else maps.near_counts[cell]
+    scale = 1.0 / maps.distance
     for i in range(total):
-        k = i if cell < 0 else maps.near[cell, i]
-        squared = 0.0
-        for j in range(n):
-            z = (outcome[j] - maps.centers[k, j]) / maps.distance
+        k = np.uint64(i if cell < 0 else maps.near[cell, i])
+        z = (outcome[0] - maps.centers[k, 0]) * scale
+        squared = z * z
+        for j in range(1, n):
+            z = (outcome[j] - maps.centers[k, j]) * scale
             squared += z * z
         maps.squared[i] = squared
         nearest = min(nearest, squared)
@@ -164,7 +197,25 @@ def _measure(maps: Maps, outcome: FloatArray, cell: int) -> float:
 
 
 @compiled
-def weigh(maps: Maps, outcome: FloatArray, room: IntArray) -> tuple[int, float]:
+def exponentials(values: FloatArray, count: int) -> None:
+    """Replace the first values, which are in -8 to 0, by their exponentials, to 1e-14.
+
+    exp(x) = exp(x/16)^16, the inner one by its Taylor polynomial. Without branches and tables the
+    compiler computes several at once, in a fraction of the time of math.exp.
+    """
+    for i in range(count):
+        x = values[i] / 16.0
+        y = 1.0 + x / 14.0
+        for order in (13.0, 12.0, 11.0, 10.0, 9.0, 8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0):
+            y = 1.0 + x / order * y
+        y *= y
+        y *= y
+        y *= y
+        values[i] = y * y
+
+
+@compiled
+def weigh(maps: Maps, outcome: FloatArray) -> tuple[int, float]:
     """Fill `chosen` and `features` with the maps that count at an outcome.
 
     Parameters
@@ -173,8 +224,6 @@ def weigh(maps: Maps, outcome: FloatArray, room: IntArray) -> tuple[int, float]:
         The maps.
     outcome : array
         Where, shape (n,).
-    room : array
-        Room for the coordinates of a cell, shape (n,).
 
     Returns
     -------
@@ -184,7 +233,7 @@ def weigh(maps: Maps, outcome: FloatArray, room: IntArray) -> tuple[int, float]:
     cell = np.int64(-1)
     nearest = np.inf
     if maps.radius > 0:
-        cell = _cell_at(maps, outcome, room)
+        cell = _cell_at(maps, outcome)
         if cell >= 0:
             nearest = _measure(maps, outcome, cell)
             # A map outside of the block has |z|^2 above radius^2. One that counts may be there.
@@ -193,24 +242,28 @@ def weigh(maps: Maps, outcome: FloatArray, room: IntArray) -> tuple[int, float]:
     if cell < 0:
         nearest = _measure(maps, outcome, cell)
     total = maps.counts[0] if cell < 0 else maps.near_counts[cell]
-    limit = nearest + maps.drop
     count = 0
     for i in range(total):
-        maps.chosen[count] = i
-        count += maps.squared[i] <= limit
-    scale = 0.0
-    for i in range(count):
         # Without the subtraction every exponential is 0 far from all maps, and h is 0 / 0.
-        h = math.exp(nearest - maps.squared[maps.chosen[i]])
-        maps.features[i, 0] = h
-        scale += h
+        maps.chosen[count] = i if cell < 0 else maps.near[cell, i]
+        exponent = nearest - maps.squared[i]
+        maps.squared[count] = exponent
+        count += exponent >= -maps.drop
+    if maps.drop <= 8.0:
+        exponentials(maps.squared, count)
+    else:
+        for i in range(count):
+            maps.squared[i] = math.exp(maps.squared[i])
+    total_weight = 0.0
     for i in range(count):
-        k = maps.chosen[i] if cell < 0 else maps.near[cell, maps.chosen[i]]
-        maps.chosen[i] = k
-        h = maps.features[i, 0] / scale
+        total_weight += maps.squared[i]
+    scale = 1.0 / total_weight
+    for i in range(count):
+        h = maps.squared[i] * scale
         maps.features[i, 0] = h
         for j in range(n):
-            maps.features[i, 1 + j] = h * ((outcome[j] - maps.centers[k, j]) / maps.distance)
+            z = (outcome[j] - maps.centers[np.uint64(maps.chosen[i]), j]) / maps.distance
+            maps.features[i, 1 + j] = h * z
     return count, nearest
 
 
@@ -218,22 +271,20 @@ def weigh(maps: Maps, outcome: FloatArray, room: IntArray) -> tuple[int, float]:
 def blend(maps: Maps, count: int, action: FloatArray) -> None:
     """Fill g(x) = sum_k h_k [1, z_k] parameters_k, shape (m,), after `weigh`."""
     rows, m = maps.parameters.shape[1], maps.parameters.shape[2]
-    action[:] = 0.0
+    for j in range(m):
+        action[j] = 0.0
     for i in range(count):
-        k = maps.chosen[i]
+        value = maps.parameters[np.uint64(maps.chosen[i])]
         if rows == 3:
+            # n = 2, the usual case: one pass over the action for all rows.
             a, b, c = maps.features[i, 0], maps.features[i, 1], maps.features[i, 2]
             for j in range(m):
-                action[j] += (
-                    a * maps.parameters[k, 0, j]
-                    + b * maps.parameters[k, 1, j]
-                    + c * maps.parameters[k, 2, j]
-                )
+                action[j] += a * value[0, j] + b * value[1, j] + c * value[2, j]
         else:
             for row in range(rows):
                 a = maps.features[i, row]
                 for j in range(m):
-                    action[j] += a * maps.parameters[k, row, j]
+                    action[j] += a * value[row, j]
 
 
 @compiled
@@ -244,7 +295,8 @@ def scaled_slope(maps: Maps, outcome: FloatArray, count: int, slope: FloatArray)
     """
     n, m = maps.centers.shape[1], maps.parameters.shape[2]
     slope[:] = 0.0
-    mean = np.zeros(n)
+    mean = maps.mean
+    mean[:] = 0.0
     for i in range(count):
         for axis in range(n):
             mean[axis] += maps.features[i, 1 + axis]
@@ -267,7 +319,7 @@ def insert(maps: Maps, outcome: FloatArray, count: int) -> None:
     new = maps.counts[0]
     blend(maps, count, maps.parameters[new, 0])
     scaled_slope(maps, outcome, count, maps.parameters[new, 1:])
-    maps.centers[new] = outcome
+    _copy(outcome, maps.centers[new])
     maps.counts[0] += 1
     register(maps, new)
 
@@ -278,8 +330,6 @@ def learn(
     outcome: FloatArray,
     action: FloatArray,
     weight: float,
-    residual: FloatArray,
-    room: IntArray,
 ) -> None:
     """Insert a map if the outcome lies beyond all others, then take one gradient step.
 
@@ -291,39 +341,37 @@ def learn(
         The example, shapes (n,) and (m,).
     weight : float
         Weight w of the example.
-    residual, room : array
-        Room to work in, shapes (m,) and (n,).
     """
-    count, nearest = weigh(maps, outcome, room)
+    count, nearest = weigh(maps, outcome)
     if nearest > 1.0:
         insert(maps, outcome, count)
-        count, nearest = weigh(maps, outcome, room)
+        count, nearest = weigh(maps, outcome)
+    residual = maps.residual
     blend(maps, count, residual)
     rows, m = maps.parameters.shape[1], maps.parameters.shape[2]
     gain = maps.rate * weight
     for j in range(m):
         residual[j] = gain * (action[j] - residual[j])
     for i in range(count):
-        k = maps.chosen[i]
+        value = maps.parameters[np.uint64(maps.chosen[i])]
         if rows == 3:
             a, b, c = maps.features[i, 0], maps.features[i, 1], maps.features[i, 2]
             for j in range(m):
-                maps.parameters[k, 0, j] += a * residual[j]
-                maps.parameters[k, 1, j] += b * residual[j]
-                maps.parameters[k, 2, j] += c * residual[j]
+                value[0, j] += a * residual[j]
+                value[1, j] += b * residual[j]
+                value[2, j] += c * residual[j]
         else:
             for row in range(rows):
                 a = maps.features[i, row]
                 for j in range(m):
-                    maps.parameters[k, row, j] += a * residual[j]
+                    value[row, j] += a * residual[j]
 
 
 @compiled
 def predict_many(maps: Maps, outcomes: FloatArray, actions: FloatArray) -> None:
     """Fill g at many outcomes, shape (N, n), as actions, shape (N, m)."""
-    room = np.empty(outcomes.shape[1], np.int64)
     for i in range(len(outcomes)):
-        count, _ = weigh(maps, outcomes[i], room)
+        count, _ = weigh(maps, outcomes[i])
         blend(maps, count, actions[i])
 
 
@@ -382,6 +430,8 @@ class State(NamedTuple):
     over, going_home, step, movements, goal, weighted : Whether the movement is over, whether it
         goes home, its steps made, the number of movements, the last goal (-1 for none), and the
         number of efficiencies in the mean; shape (6,).
+    new_action, scaled_action, new_outcome, scaled_outcome : Room to work in, shapes (m,), (m,),
+        (n,) and (n,).
     """
 
     action: FloatArray
@@ -393,12 +443,59 @@ class State(NamedTuple):
     noise: FloatArray
     mean: FloatArray
     numbers: IntArray
+    new_action: FloatArray
+    scaled_action: FloatArray
+    new_outcome: FloatArray
+    scaled_outcome: FloatArray
 
 
 OVER, GOING_HOME, STEP, MOVEMENTS, GOAL, WEIGHTED = range(6)
 
 
 @compiled
+def draw_normal(rng: np.random.Generator) -> float:
+    """Return a standard normal number, the one that `rng.standard_normal()` would.
+
+    The algorithm is numpy's: the ziggurat of Marsaglia and Tsang with 256 layers. numba's own
+    version of it is a call with an unpredictable branch for the sign, and takes twice the time.
+    """
+    drawn = next_uint64(rng.bit_generator)
+    layer = drawn & np.uint64(0xFF)
+    sign = 1.0 - 2.0 * np.float64(np.int64((drawn >> np.uint64(8)) & np.uint64(1)))
+    place = (drawn >> np.uint64(9)) & np.uint64(0x000FFFFFFFFFFFFF)
+    normal = np.float64(np.int64(place)) * wi_double[layer] * sign
+    if place < ki_double[layer]:
+        return normal
+    return _normal_at_an_edge(rng, normal, place, layer)
+
+
+@compiled
+def _walk(rng: np.random.Generator, step: float, keep: float, noise: FloatArray) -> None:
+    """Take one step of the noise's random walk, shape (1 + n, m), as `ExplorationNoise` does."""
+    rows, columns = noise.shape
+    for row in range(rows):
+        for column in range(columns):
+            noise[row, column] = keep * (noise[row, column] + step * draw_normal(rng))
+
+
+@compiled
+def _normal_at_an_edge(rng: np.random.Generator, normal: float, place: int, layer: int) -> float:
+    """Return the normal that comes of a draw outside of a layer's inner rectangle; one in 80."""
+    if layer == 0:
+        # The tail beyond the last layer, by Marsaglia's method.
+        edge = 3.6541528853610088
+        while True:
+            far = -math.log1p(-rng.random()) / edge
+            if -2.0 * math.log1p(-rng.random()) > far * far:
+                break
+        return -(edge + far) if (place >> np.uint64(8)) & np.uint64(1) else edge + far
+    density = fi_double[layer] + (fi_double[layer - np.uint64(1)] - fi_double[layer]) * rng.random()
+    if density < math.exp(-0.5 * normal * normal):
+        return normal
+    return rng.standard_normal()
+
+
+@compiled_with_run_time
 def _begin(task: Task, state: State, rng: np.random.Generator) -> None:
     """Start the next movement, as `Movements.prepare` does."""
     numbers = state.numbers
@@ -406,8 +503,8 @@ def _begin(task: Task, state: State, rng: np.random.Generator) -> None:
     numbers[STEP] = 0
     if numbers[GOING_HOME] == 0 and rng.random() < task.home_probability:
         numbers[GOING_HOME] = 1
-        state.start[: len(state.action)] = state.action
-        state.target[:] = task.home_outcome
+        _copy(state.action, state.start)
+        _copy(task.home_outcome, state.target)
         return
     numbers[GOING_HOME] = 0
     n = len(state.outcome)
@@ -421,15 +518,15 @@ def _begin(task: Task, state: State, rng: np.random.Generator) -> None:
             length = math.sqrt(length)
         for i in range(n):
             state.advance[i] *= task.direction_step / length
-        state.previous[:] = state.outcome
-        state.start[:n] = state.outcome
+        _copy(state.outcome, state.previous)
+        _copy(state.outcome, state.start)
         return
     if numbers[GOAL] < 0:
         numbers[GOAL] = rng.integers(0, len(task.goals))
     else:
         index = rng.integers(0, len(task.goals) - 1)
         numbers[GOAL] = index if index < numbers[GOAL] else index + 1
-    state.start[:n] = state.previous
+    _copy(state.previous, state.start)
 
 
 @compiled
@@ -443,7 +540,7 @@ def _aim(task: Task, state: State) -> None:
                 state.start[i] if step == 1 else state.target[i]
             )
     elif step == task.path_steps:
-        state.target[:] = task.goals[state.numbers[GOAL]]
+        _copy(task.goals[state.numbers[GOAL]], state.target)
     else:
         share = step / task.path_steps
         goal = task.goals[state.numbers[GOAL]]
@@ -487,6 +584,86 @@ def _weight(
 
 
 @compiled
+def _ask(maps: Maps, task: Task, state: State, rng: np.random.Generator) -> None:
+    """Fill the next action, as `GoalBabbler.ask` does."""
+    n, m = len(state.outcome), len(state.action)
+    action = state.new_action
+    step = state.numbers[STEP] + 1
+    if state.numbers[GOING_HOME] == 1:
+        share = step / task.path_steps
+        for j in range(m):
+            action[j] = state.start[j] + share * (task.home_action[j] - state.start[j])
+        if step == task.path_steps:
+            _copy(task.home_action, action)
+    else:
+        _aim(task, state)
+        _walk(rng, task.noise_step, task.noise_keep, state.noise)
+        for i in range(n):
+            state.scaled_outcome[i] = state.target[i] / task.outcome_scale
+        count, _ = weigh(maps, state.scaled_outcome)
+        blend(maps, count, action)
+        for j in range(m):
+            action[j] = task.action_scale * action[j] + state.noise[0, j]
+        for i in range(n):
+            place = (state.target[i] - task.noise_origin[i]) / task.outcome_scale
+            for j in range(m):
+                action[j] += place * state.noise[1 + i, j]
+    for j in range(m):
+        action[j] = min(max(action[j], task.low[j]), task.high[j])
+
+
+@compiled
+def _tell(maps: Maps, task: Task, state: State) -> None:
+    """Learn what came of the action, and go on, as `GoalBabbler.tell` does."""
+    n, m = len(state.outcome), len(state.action)
+    action, outcome, numbers = state.new_action, state.new_outcome, state.numbers
+    weight = _weight(task, state, action, outcome)
+    if weight > 0.0:
+        for j in range(m):
+            state.scaled_action[j] = action[j] / task.action_scale
+        for i in range(n):
+            state.scaled_outcome[i] = outcome[i] / task.outcome_scale
+        learn(maps, state.scaled_outcome, state.scaled_action, weight)
+    numbers[STEP] += 1
+    if numbers[GOING_HOME] == 1 or len(task.goals) > 0:
+        over = numbers[STEP] == task.path_steps
+    else:
+        inner = 0.0
+        for i in range(n):
+            inner += state.advance[i] * (outcome[i] - state.outcome[i])
+        over = inner < 0.0
+    numbers[OVER] = over
+    numbers[MOVEMENTS] += over
+    _copy(state.target, state.previous)
+    _copy(action, state.action)
+    _copy(outcome, state.outcome)
+
+
+@compiled
+def _move(
+    maps: Maps,
+    task: Task,
+    state: State,
+    forward: Callable[[FloatArray, FloatArray], None],
+    rng: np.random.Generator,
+    visited: FloatArray,
+    first: int,
+) -> int:
+    """Make the steps of a movement from sample `first` on; return the number of the next."""
+    for sample in range(first, len(visited)):
+        if not has_room(maps):
+            return sample
+        _ask(maps, task, state, rng)
+        forward(state.new_action, state.new_outcome)
+        _tell(maps, task, state)
+        for i in range(len(state.outcome)):
+            visited[sample, i] = state.outcome[i]
+        if state.numbers[OVER] == 1:
+            return sample + 1
+    return len(visited)
+
+
+@compiled_with_run_time
 def babble(
     maps: Maps,
     task: Task,
@@ -515,63 +692,9 @@ def babble(
     -------
     Number of samples made.
     """
-    n, m = len(state.outcome), len(state.action)
-    room = np.empty(n, np.int64)
-    action, scaled_action, residual = np.empty(m), np.empty(m), np.empty(m)
-    outcome, scaled_outcome = np.empty(n), np.empty(n)
-    numbers = state.numbers
-    for sample in range(len(visited)):
-        if not has_room(maps) or numbers[MOVEMENTS] >= movements:
-            return sample
-        if numbers[OVER] == 1:
+    samples = 0
+    while samples < len(visited) and state.numbers[MOVEMENTS] < movements and has_room(maps):
+        if state.numbers[OVER] == 1:
             _begin(task, state, rng)
-        if numbers[GOING_HOME] == 1:
-            share = (numbers[STEP] + 1) / task.path_steps
-            for j in range(m):
-                action[j] = state.start[j] + share * (task.home_action[j] - state.start[j])
-            if numbers[STEP] + 1 == task.path_steps:
-                action[:] = task.home_action
-        else:
-            _aim(task, state)
-            noise = state.noise
-            for row in range(1 + n):
-                for j in range(m):
-                    step = task.noise_step * rng.standard_normal()
-                    noise[row, j] = task.noise_keep * (noise[row, j] + step)
-            for i in range(n):
-                scaled_outcome[i] = state.target[i] / task.outcome_scale
-            count, _ = weigh(maps, scaled_outcome, room)
-            blend(maps, count, action)
-            for j in range(m):
-                action[j] = task.action_scale * action[j] + noise[0, j]
-            for i in range(n):
-                share = (state.target[i] - task.noise_origin[i]) / task.outcome_scale
-                for j in range(m):
-                    action[j] += share * noise[1 + i, j]
-        for j in range(m):
-            action[j] = min(max(action[j], task.low[j]), task.high[j])
-        forward(action, outcome)
-
-        weight = _weight(task, state, action, outcome)
-        if weight > 0.0:
-            for j in range(m):
-                scaled_action[j] = action[j] / task.action_scale
-            for i in range(n):
-                scaled_outcome[i] = outcome[i] / task.outcome_scale
-            learn(maps, scaled_outcome, scaled_action, weight, residual, room)
-
-        state.previous[:] = state.target
-        numbers[STEP] += 1
-        if numbers[GOING_HOME] == 1 or len(task.goals) > 0:
-            over = numbers[STEP] == task.path_steps
-        else:
-            inner = 0.0
-            for i in range(n):
-                inner += state.advance[i] * (outcome[i] - state.outcome[i])
-            over = inner < 0.0
-        numbers[OVER] = over
-        numbers[MOVEMENTS] += over
-        state.action[:] = action
-        state.outcome[:] = outcome
-        visited[sample] = outcome
-    return len(visited)
+        samples = _move(maps, task, state, forward, rng, visited, samples)
+    return samples

@@ -91,14 +91,14 @@ class CompiledMaps:
     def slope(self, outcome: FloatArray) -> FloatArray:
         """Return the derivative dg/dx at one outcome, shape (n,), as shape (m, n)."""
         slope = np.empty(self.arrays.parameters.shape[1:])[1:]
-        count, _ = kernels.weigh(self.arrays, outcome, np.empty(outcome.size, np.int64))
+        count, _ = kernels.weigh(self.arrays, outcome)
         kernels.scaled_slope(self.arrays, outcome, count, slope)
         return slope.T / self.arrays.distance
 
     def insert(self, outcome: FloatArray) -> None:
         """Add a map at an outcome, shape (n,), that leaves g and dg/dx there as they were."""
         self.make_room()
-        count, _ = kernels.weigh(self.arrays, outcome, np.empty(outcome.size, np.int64))
+        count, _ = kernels.weigh(self.arrays, outcome)
         kernels.insert(self.arrays, outcome, count)
 
     def learn(self, outcome: FloatArray, action: FloatArray, weight: float) -> None:
@@ -114,8 +114,7 @@ class CompiledMaps:
             Weight w of the example.
         """
         self.make_room()
-        room = np.empty(outcome.size, np.int64)
-        kernels.learn(self.arrays, outcome, action, float(weight), np.empty(action.size), room)
+        kernels.learn(self.arrays, outcome, action, float(weight))
 
     def state(self) -> SavedState:
         """Return everything that `restore` needs; also what `LocalLinearMaps` is restored from."""
@@ -201,4 +200,7 @@ def _empty(
         squared=np.zeros(maps),
         chosen=np.zeros(maps, np.int64),
         features=np.zeros((maps, 1 + n)),
+        cell=np.zeros(n, np.int64),
+        mean=np.zeros(n),
+        residual=np.zeros(m),
     )
