@@ -97,9 +97,7 @@ def environment_variables() -> dict[str, str]:
     return {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
 
 
-def measure(
-    interpreter: Path, samples: int, rounds: int
-) -> tuple[np.ndarray, np.ndarray]:
+def measure(interpreter: Path, samples: int, rounds: int) -> tuple[np.ndarray, np.ndarray]:
     """Return processor times [s] of ours and of explauto, shapes (rounds,), measured in turns."""
     compiled_babbler(0).run(100)
     ours, theirs = np.empty(rounds), np.empty(rounds)

@@ -53,9 +53,9 @@ def compiled_with_run_time(function: Function) -> Function:
 
 
 def _compiled(function: Function, *, run_time: bool) -> Function:
-    result: Function = numba.njit(
-        cache=True, fastmath=_MATH, error_model="numpy", _nrt=run_time
-    )(function)
+    result: Function = numba.njit(cache=True, fastmath=_MATH, error_model="numpy", _nrt=run_time)(
+        function
+    )
     return result
 
 
@@ -470,7 +470,7 @@ def draw_normal(rng: np.random.Generator) -> float:
 
 
 @compiled
-def _walk(rng: np.random.Generator, step: float, keep: float, noise: FloatArray) -> None:
+def walk(rng: np.random.Generator, step: float, keep: float, noise: FloatArray) -> None:
     """Take one step of the noise's random walk, shape (1 + n, m), as `ExplorationNoise` does."""
     rows, columns = noise.shape
     for row in range(rows):
@@ -536,9 +536,7 @@ def _aim(task: Task, state: State) -> None:
     step = state.numbers[STEP] + 1
     if len(task.goals) == 0:
         for i in range(n):
-            state.target[i] = state.advance[i] + (
-                state.start[i] if step == 1 else state.target[i]
-            )
+            state.target[i] = state.advance[i] + (state.start[i] if step == 1 else state.target[i])
     elif step == task.path_steps:
         _copy(task.goals[state.numbers[GOAL]], state.target)
     else:
@@ -549,9 +547,7 @@ def _aim(task: Task, state: State) -> None:
 
 
 @compiled
-def _weight(
-    task: Task, state: State, action: FloatArray, outcome: FloatArray
-) -> float:
+def _weight(task: Task, state: State, action: FloatArray, outcome: FloatArray) -> float:
     """Return w = w_dir w_eff, as `SampleWeights` does."""
     action_length = 0.0
     for j in range(len(action)):
@@ -597,7 +593,7 @@ def _ask(maps: Maps, task: Task, state: State, rng: np.random.Generator) -> None
             _copy(task.home_action, action)
     else:
         _aim(task, state)
-        _walk(rng, task.noise_step, task.noise_keep, state.noise)
+        walk(rng, task.noise_step, task.noise_keep, state.noise)
         for i in range(n):
             state.scaled_outcome[i] = state.target[i] / task.outcome_scale
         count, _ = weigh(maps, state.scaled_outcome)

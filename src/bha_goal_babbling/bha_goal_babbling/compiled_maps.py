@@ -159,9 +159,7 @@ class CompiledMaps:
                 max(len(old.near_counts), block) << grow_cells,
                 old.near.shape[1] << grow_lists,
             )
-            self.arrays = _empty(
-                (old.distance, old.rate, old.drop, old.radius), (n, m), capacities
-            )
+            self.arrays = _empty((old.distance, old.rate, old.drop, old.radius), (n, m), capacities)
             for k in range(known):
                 self._add(old.centers[k], old.parameters[k])
 
