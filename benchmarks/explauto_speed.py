@@ -2,9 +2,9 @@
 
 ./bha shell python -m benchmarks.explauto_speed
 
-Both learn on a planar arm with 20 joints, each time from nothing. explauto uses its fastest learner,
-nearest neighbours, and needs an environment of its own, which is made once in a cache folder where
-there is a Python 3.8.
+Both learn on a planar arm with 20 joints, each time from nothing. explauto uses its
+fastest learner, nearest neighbours, and needs an environment of its own, which is made once in a
+cache folder where there is a Python 3.8.
 """
 
 import argparse

@@ -114,7 +114,7 @@ def _first_slot(maps: Maps, cell: IntArray) -> int:
         # Odd constant of Fibonacci hashing, 2^64 over the golden ratio.
         key = (key ^ np.uint64(cell[i])) * np.uint64(0x9E3779B97F4A7C15)
         key ^= key >> np.uint64(29)
-    return np.int64(key & np.uint64(len(maps.slots) - 1))
+    return int(key & np.uint64(len(maps.slots) - 1))
 
 
 @compiled
@@ -137,7 +137,7 @@ def _cell_at(maps: Maps, outcome: FloatArray) -> int:
     cell = maps.cell
     for i in range(len(outcome)):
         cell[i] = np.int64(math.floor(outcome[i] / maps.distance))
-    return maps.slots[_find_slot(maps, cell)]
+    return int(maps.slots[_find_slot(maps, cell)])
 
 
 @compiled
@@ -174,7 +174,7 @@ def has_room(maps: Maps) -> bool:
     if maps.radius == 0:
         return True
     cells = maps.counts[1] + (2 * maps.radius + 1) ** maps.centers.shape[1]
-    return cells <= len(maps.near_counts) and maps.counts[2] < maps.near.shape[1]
+    return cells <= len(maps.near_counts) and bool(maps.counts[2] < maps.near.shape[1])
 
 
 @compiled
@@ -230,7 +230,7 @@ def weigh(maps: Maps, outcome: FloatArray) -> tuple[int, float]:
     How many maps count, and the smallest |z_k|^2.
     """
     n = len(outcome)
-    cell = np.int64(-1)
+    cell = -1
     nearest = np.inf
     if maps.radius > 0:
         cell = _cell_at(maps, outcome)
@@ -238,7 +238,7 @@ def weigh(maps: Maps, outcome: FloatArray) -> tuple[int, float]:
             nearest = _measure(maps, outcome, cell)
             # A map outside of the block has |z|^2 above radius^2. One that counts may be there.
             if nearest + maps.drop > maps.radius * maps.radius:
-                cell = np.int64(-1)
+                cell = -1
     if cell < 0:
         nearest = _measure(maps, outcome, cell)
     total = maps.counts[0] if cell < 0 else maps.near_counts[cell]
@@ -465,7 +465,7 @@ def draw_normal(rng: np.random.Generator) -> float:
     place = (drawn >> np.uint64(9)) & np.uint64(0x000FFFFFFFFFFFFF)
     normal = np.float64(np.int64(place)) * wi_double[layer] * sign
     if place < ki_double[layer]:
-        return normal
+        return float(normal)
     return _normal_at_an_edge(rng, normal, place, layer)
 
 
