@@ -14,9 +14,7 @@ from bha_goal_babbling.planar_arm import PlanarArm
 LIMIT = math.pi
 """Joints turn by plus and minus this [rad]."""
 
-ARTICLE = GoalBabblerConfig(
-    map_distance=0.1, learning_rate=0.1, noise_spread=0.05, noise_step=0.01
-)
+ARTICLE = GoalBabblerConfig(map_distance=0.1, learning_rate=0.1, noise_spread=0.05, noise_step=0.01)
 """The article's slow noise and small steps."""
 
 FAST = GoalBabblerConfig()

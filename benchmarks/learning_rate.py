@@ -123,9 +123,7 @@ def _ten_times(rate: float) -> float:
 
 def _movements(runs: Sequence[Run], joints: int, rate: float) -> list[int | None]:
     wanted = {"joints": joints, "learning_rate": rate}
-    return [
-        made.figures["movements"] for made in runs if wanted.items() <= made.settings.items()
-    ]
+    return [made.figures["movements"] for made in runs if wanted.items() <= made.settings.items()]
 
 
 def _medians(runs: Sequence[Run]) -> dict[tuple[int, float], float]:

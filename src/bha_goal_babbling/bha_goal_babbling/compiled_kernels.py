@@ -114,7 +114,7 @@ def _first_slot(maps: Maps, cell: IntArray) -> int:
         # Odd constant of Fibonacci hashing, 2^64 over the golden ratio.
         key = (key ^ np.uint64(cell[i])) * np.uint64(0x9E3779B97F4A7C15)
         key ^= key >> np.uint64(29)
-    return int(key & np.uint64(len(maps.slots) - 1))
+    return int(np.int64(key & np.uint64(len(maps.slots) - 1)))
 
 
 @compiled
