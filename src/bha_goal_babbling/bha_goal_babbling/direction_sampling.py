@@ -34,7 +34,8 @@ class DirectionTargets:
             raise InvalidConfigError(
                 f"step must be above 0 and size at least 1, got {step} and {size}"
             )
-        self._step = float(step)
+        self.step = float(step)
+        """Distance eps between successive targets [outcome unit]."""
         self._size = size
         self._advance = np.zeros(size)
         self._target = np.zeros(size)
@@ -53,7 +54,7 @@ class DirectionTargets:
         while length < 1e-9:  # A vector of zeros has no direction; it practically never comes.
             direction = rng.standard_normal(self._size)
             length = np.linalg.norm(direction)
-        self._advance = self._step / length * direction
+        self._advance = self.step / length * direction
         self._target = outcome + self._advance
         return outcome
 
@@ -76,7 +77,7 @@ class DirectionTargets:
     def state(self) -> SavedState:
         """Return everything that `restore` needs."""
         arrays = {"advance": self._advance.copy(), "target": self._target.copy()}
-        return SavedState(arrays, {"step": self._step, "size": self._size})
+        return SavedState(arrays, {"step": self.step, "size": self._size})
 
     @classmethod
     def restore(cls, state: SavedState) -> "DirectionTargets":

@@ -42,14 +42,15 @@ class ExplorationNoise:
         if not (spread >= 0 and step >= 0):
             raise InvalidConfigError(f"spread and step must not be negative, got {spread}, {step}")
         self._step = float(step)
-        self._keep = spread / math.hypot(spread, step) if spread > 0 else 0.0
+        self.keep = spread / math.hypot(spread, step) if spread > 0 else 0.0
+        """Share of an entry that a step of the walk keeps [-]."""
         # Row 0 is c_t, rows 1 to n are the columns of A_t.
         self._entries = spread * rng.standard_normal((1 + outcome_size, action_size))
 
     def advance(self, rng: np.random.Generator) -> None:
         """Take one step of the walk."""
         self._entries += self._step * rng.standard_normal(self._entries.shape)
-        self._entries *= self._keep
+        self._entries *= self.keep
 
     def at(self, target: FloatArray) -> FloatArray:
         """Return E_t at a target, shape (n,), in the unit of actions, shape (m,)."""

@@ -15,9 +15,9 @@ from bha_goal_babbling.arrays import FloatArray
 from bha_goal_babbling.errors import InvalidConfigError
 from bha_goal_babbling.saved_state import SavedState
 
-_MEAN_START = 0.3
-_MEAN_RATE = 0.01
-_MEAN_HEAD_START = 5
+MEAN_START = 0.3
+MEAN_RATE = 0.01
+MEAN_HEAD_START = 5
 
 
 def direction_weight(
@@ -98,7 +98,7 @@ class SampleWeights:
         self._outcome_resolution = outcome_resolution
         self._use_direction = use_direction
         self._use_efficiency = use_efficiency
-        self._mean = _MEAN_START
+        self._mean = MEAN_START
         self._count = 0
 
     def of_goal_step(
@@ -125,7 +125,7 @@ class SampleWeights:
         if efficiency == 0.0:
             return 0.0
         # Quick at first, then slow: a mean of the last hundred or so.
-        rate = max(_MEAN_RATE, 1.0 / (self._count + _MEAN_HEAD_START))
+        rate = max(MEAN_RATE, 1.0 / (self._count + MEAN_HEAD_START))
         self._count += 1
         self._mean += rate * (efficiency - self._mean)
         return efficiency / self._mean

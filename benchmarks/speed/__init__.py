@@ -1,0 +1,1 @@
+"""How fast the learner is: a pytest-benchmark suite, and beside explauto."""
