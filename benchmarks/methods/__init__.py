@@ -1,1 +1,1 @@
-"""Methods beside which goal babbling is compared, each on the same world and behind one interface."""
+"""Methods beside which goal babbling is compared: one world, one interface."""

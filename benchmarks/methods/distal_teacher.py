@@ -62,7 +62,7 @@ class DistalTeacher(Method):
         rate: float = 1.0,
         distance: float = 0.2,
         length: float = 1.0,
-        waves: int = 300,
+        waves: int = 600,
         noise: float = 1e-3,
     ) -> None:
         super().__init__(world)
@@ -74,7 +74,7 @@ class DistalTeacher(Method):
         self._forward = ForwardModel(
             world.home_action,
             world.home_outcome,
-            length * np.sqrt(world.home_action.size),
+            length,
             waves,
             noise,
             rng,

@@ -1,6 +1,6 @@
 """Feedback-error learning: a feedback controller that is given beforehand teaches the inverse.
 
-    q_t = g(x*_t) + u_t,   u_t = K(q_{t-1}) (x*_{t-1} - x_{t-1}),   g(x*_{t-1}) += rate u_t
+    q_t = g(x*_t) + u_t,   u_t = K(q_{t-1}) (x*_{t-1} - x_{t-1}),   g(x*_t) += rate u_t
 
 The command of the feedback controller is the error of the feed-forward one, in the space of actions
 (Kawato, "Feedback-error-learning neural network for supervised motor learning", 1990). K needs the
@@ -12,6 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from benchmarks.methods.goal_features import GoalModel
+from benchmarks.methods.inverse_jacobian import damped_inverse
 from benchmarks.methods.method import Method
 from benchmarks.methods.world import World
 from bha_goal_babbling.arrays import FloatArray
@@ -21,18 +22,23 @@ Feedback = Callable[[FloatArray, FloatArray], FloatArray]
 """Action step for an action, shape (m,), and an error of the outcome, shape (n,): shape (m,)."""
 
 
-def jacobian_transpose(jacobian: Callable[[FloatArray], FloatArray]) -> Feedback:
-    """Return the feedback u = J' e / |J|^2, which never overshoots.
+def inverse_jacobian(
+    jacobian: Callable[[FloatArray], FloatArray], gain: float = 0.5, damping: float = 0.1
+) -> Feedback:
+    """Return the feedback u = gain J^+ e.
 
     Parameters
     ----------
     jacobian : callable
         The robot's Jacobian, shape (m,) to shape (n, m).
+    gain : float
+        Below 1: u_t answers to what came of u_{t-1}, and with all of it the two take turns.
+    damping : float
+        See `damped_inverse`.
     """
 
     def feedback(action: FloatArray, error: FloatArray) -> FloatArray:
-        matrix = jacobian(action)
-        step: FloatArray = matrix.T @ error / np.linalg.norm(matrix, 2) ** 2
+        step: FloatArray = gain * damped_inverse(jacobian(action)[np.newaxis], damping)[0] @ error
         return step
 
     return feedback
@@ -81,8 +87,8 @@ class FeedbackErrorLearning(Method):
         target = self._paths.target()
         action = self.world.clipped(self._model(target[np.newaxis])[0] + self._correction)
         outcome = self.world.execute(action)
-        self._correction = self._feedback(action, target - outcome)
         self._model.change(target, self._correction, self._rate)
+        self._correction = self._feedback(action, target - outcome)
         if self._paths.advance(np.zeros_like(outcome)):
             self._paths.begin(target, outcome, self._rng)
 

@@ -1,13 +1,19 @@
-"""A learned forward model f(q): Bayesian linear regression on random features, one by one.
+"""A learned forward model f(q): ridge regression on random features.
 
-Recursive least squares (Ljung, "System identification", 1999, section 11.2): after every example
-the estimate is that of ridge regression on all examples so far.
+    parameters = (Phi' Phi + noise^2 I)^-1 Phi' (x - x_home)
+
+over all examples so far. A fit costs the cube of the number of features, so examples are gathered
+and fitted when the model is asked and their number has grown enough.
 """
 
 import numpy as np
+from scipy.linalg import cho_factor, cho_solve
 
 from benchmarks.methods.random_features import RandomFeatures
 from bha_goal_babbling.arrays import FloatArray
+
+_GROWTH = 0.05
+"""Share by which the examples must have become more for a new fit."""
 
 
 class ForwardModel:
@@ -18,7 +24,7 @@ class ForwardModel:
     home_action, home_outcome : array
         What it knows at first, shapes (m,) and (n,): every action ends at the home outcome.
     length : float
-        Length of the features [action unit].
+        Length over which outcomes change with one coordinate of the action [action unit].
     waves : int
         Number of random features.
     noise : float
@@ -36,24 +42,39 @@ class ForwardModel:
         noise: float,
         rng: np.random.Generator,
     ) -> None:
+        # Distances in m dimensions grow with the root of m, and so must the features' length.
+        length *= np.sqrt(home_action.size)
         self._features = RandomFeatures(home_action, length, waves, rng)
-        self._parameters = np.zeros((self._features.count, home_outcome.size))
-        self._parameters[0] = home_outcome
-        self._covariance = np.eye(self._features.count) / noise**2
+        self._home_outcome = home_outcome
+        self._square = noise**2 * np.eye(self._features.count)
+        self._product = np.zeros((self._features.count, home_outcome.size))
+        self._parameters = np.zeros_like(self._product)
+        self._actions: list[FloatArray] = []
+        self._outcomes: list[FloatArray] = []
+        self._fitted = 0
 
     def learn(self, action: FloatArray, outcome: FloatArray) -> None:
         """Take one example, shapes (m,) and (n,)."""
-        features = self._features(action[np.newaxis])[0]
-        spread = self._covariance @ features
-        gain = spread / (1.0 + features @ spread)
-        self._parameters += np.outer(gain, outcome - features @ self._parameters)
-        self._covariance -= np.outer(gain, spread)
+        self._actions.append(action)
+        self._outcomes.append(outcome)
 
     def predict(self, actions: FloatArray) -> FloatArray:
         """Return the outcomes of actions, shape (N, m), as shape (N, n)."""
-        outcomes: FloatArray = self._features(actions) @ self._parameters
+        self._fit()
+        outcomes: FloatArray = self._home_outcome + self._features(actions) @ self._parameters
         return outcomes
 
     def jacobian(self, actions: FloatArray) -> FloatArray:
         """Return the derivative of outcomes by actions, shape (N, m), as shape (N, n, m)."""
+        self._fit()
         return self._features.slopes(actions, self._parameters)
+
+    def _fit(self) -> None:
+        if len(self._actions) <= _GROWTH * self._fitted:
+            return
+        features = self._features(np.array(self._actions))
+        self._square += features.T @ features
+        self._product += features.T @ (np.array(self._outcomes) - self._home_outcome)
+        self._parameters = cho_solve(cho_factor(self._square), self._product)
+        self._fitted += len(self._actions)
+        self._actions, self._outcomes = [], []

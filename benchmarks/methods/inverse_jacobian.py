@@ -54,7 +54,7 @@ def follow_lines(
     home_action: FloatArray,
     goals: FloatArray,
     *,
-    steps: int = 12,
+    steps: int = 8,
     home_pull: float = 0.0,
     damping: float = 0.05,
 ) -> FloatArray:

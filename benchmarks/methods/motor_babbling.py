@@ -56,7 +56,7 @@ class MotorBabbling(Method):
         *,
         spread: float = 0.5,
         length: float = 1.0,
-        waves: int = 300,
+        waves: int = 600,
         noise: float = 1e-3,
         home_pull: float = 0.0,
     ) -> None:
@@ -64,11 +64,10 @@ class MotorBabbling(Method):
         self._rng = rng
         self._spread = spread
         self._home_pull = home_pull
-        # Distances in m dimensions grow with the root of m, and so must the length.
         self._model = ForwardModel(
             world.home_action,
             world.home_outcome,
-            length * np.sqrt(world.home_action.size),
+            length,
             waves,
             noise,
             rng,

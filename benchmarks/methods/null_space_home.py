@@ -48,7 +48,7 @@ class NullSpaceHome(Method):
         largest_step: float = 0.3,
         home_pull: float = 0.1,
         length: float = 1.0,
-        waves: int = 300,
+        waves: int = 600,
         noise: float = 1e-3,
     ) -> None:
         super().__init__(world)
@@ -59,7 +59,7 @@ class NullSpaceHome(Method):
         self._model = ForwardModel(
             world.home_action,
             world.home_outcome,
-            length * np.sqrt(world.home_action.size),
+            length,
             waves,
             noise,
             rng,
