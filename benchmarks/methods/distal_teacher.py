@@ -58,7 +58,7 @@ class DistalTeacher(Method):
         babbling: int = 100,
         spread: float = 0.5,
         exploration: float = 0.03,
-        path_steps: int = 25,
+        path_steps: int = 5,
         rate: float = 1.0,
         distance: float = 0.2,
         length: float = 1.0,

@@ -1,10 +1,10 @@
 """Feedback-error learning: a feedback controller that is given beforehand teaches the inverse.
 
-    q_t = g(x*_t) + u_t,   u_t = K(q_{t-1}) (x*_{t-1} - x_{t-1}),   g(x*_t) += rate u_t
+    q_1 = g(x*),   q_{s+1} = q_s + u_s,   u_s = K(q_s) (x* - x_s),   g(x*) += rate u_s
 
-The command of the feedback controller is the error of the feed-forward one, in the space of actions
-(Kawato, "Feedback-error-learning neural network for supervised motor learning", 1990). K needs the
-Jacobian of the robot: prior knowledge that no other of the compared methods has.
+What feedback adds to the feed-forward command is the error of that command, in the space of
+actions (Kawato, "Feedback-error-learning neural network for supervised motor learning", 1990). K
+needs the Jacobian of the robot: prior knowledge that no other of the compared methods has.
 """
 
 from collections.abc import Callable
@@ -16,14 +16,14 @@ from benchmarks.methods.inverse_jacobian import damped_inverse
 from benchmarks.methods.method import Method
 from benchmarks.methods.world import World
 from bha_goal_babbling.arrays import FloatArray
-from bha_goal_babbling.goal_paths import GoalPaths
+from bha_goal_babbling.goal_choice import RandomGoalChoice
 
 Feedback = Callable[[FloatArray, FloatArray], FloatArray]
 """Action step for an action, shape (m,), and an error of the outcome, shape (n,): shape (m,)."""
 
 
 def inverse_jacobian(
-    jacobian: Callable[[FloatArray], FloatArray], gain: float = 0.5, damping: float = 0.1
+    jacobian: Callable[[FloatArray], FloatArray], gain: float = 1.0, damping: float = 0.1
 ) -> Feedback:
     """Return the feedback u = gain J^+ e.
 
@@ -32,7 +32,7 @@ def inverse_jacobian(
     jacobian : callable
         The robot's Jacobian, shape (m,) to shape (n, m).
     gain : float
-        Below 1: u_t answers to what came of u_{t-1}, and with all of it the two take turns.
+        Share of the error that one step is to remove.
     damping : float
         See `damped_inverse`.
     """
@@ -45,7 +45,7 @@ def inverse_jacobian(
 
 
 class FeedbackErrorLearning(Method):
-    """Paths between goals; what feedback adds is learned.
+    """Reaches for goals, feed-forward first, then with feedback; what feedback adds is learned.
 
     Parameters
     ----------
@@ -55,8 +55,8 @@ class FeedbackErrorLearning(Method):
         Source of the goals.
     feedback : Feedback
         The controller that is given.
-    path_steps : int
-        Steps of a path from goal to goal.
+    steps : int
+        Actions of one reach, the feed-forward one included.
     rate : float
         Share of the feedback that is learned.
     distance : float
@@ -69,28 +69,29 @@ class FeedbackErrorLearning(Method):
         rng: np.random.Generator,
         feedback: Feedback,
         *,
-        path_steps: int = 25,
+        steps: int = 3,
         rate: float = 1.0,
         distance: float = 0.2,
     ) -> None:
         super().__init__(world)
         self._rng = rng
         self._feedback = feedback
+        self._steps = steps
         self._rate = rate
         self._model = GoalModel(world.goals, distance, world.home_action)
-        self._paths = GoalPaths(world.goals, path_steps)
-        self._paths.begin(world.home_outcome, world.home_outcome, rng)
-        self._correction = np.zeros_like(world.home_action)
+        self._choice = RandomGoalChoice(len(world.goals))
+        self._goal = world.home_outcome
+        self._action = world.home_action
 
     def step(self) -> None:
-        """Go one step along the path; learn what feedback says about it."""
-        target = self._paths.target()
-        action = self.world.clipped(self._model(target[np.newaxis])[0] + self._correction)
-        outcome = self.world.execute(action)
-        self._model.change(target, self._correction, self._rate)
-        self._correction = self._feedback(action, target - outcome)
-        if self._paths.advance(np.zeros_like(outcome)):
-            self._paths.begin(target, outcome, self._rng)
+        """Take one step of a reach; learn what feedback says about it."""
+        if self.samples % self._steps == 0:
+            self._goal = self.world.goals[self._choice.choose(self._rng)]
+            self._action = self.world.clipped(self._model(self._goal[np.newaxis])[0])
+        outcome = self.world.execute(self._action)
+        correction = self._feedback(self._action, self._goal - outcome)
+        self._model.change(self._goal, correction, self._rate)
+        self._action = self.world.clipped(self._action + correction)
 
     def inverse(self, goals: FloatArray) -> FloatArray:
         """Return the feed-forward commands; see `Method`."""

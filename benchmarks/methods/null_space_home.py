@@ -43,7 +43,7 @@ class NullSpaceHome(Method):
         world: World,
         rng: np.random.Generator,
         *,
-        path_steps: int = 25,
+        path_steps: int = 5,
         exploration: float = 0.03,
         largest_step: float = 0.3,
         home_pull: float = 0.1,

@@ -56,6 +56,11 @@ class InterestGoalChoice:
         self._errors[goal, :-1] = self._errors[goal, 1:]
         self._errors[goal, -1] = error
 
+    def last_error(self, goal: int) -> float:
+        """Return the error with which a goal was reached last; inf when it never was."""
+        error = float(self._errors[goal, -1])
+        return error if np.isfinite(error) else np.inf
+
     def interest(self) -> FloatArray:
         """Return the interest of every goal, in 0 to 1, shape (G,)."""
         window = self._errors.shape[1]
@@ -147,6 +152,11 @@ class InterestPaths:
         """Number n of coordinates of a target."""
         return int(self._goals.shape[1])
 
+    @property
+    def goal_error(self) -> float:
+        """Last known error of the goal under way, in the unit of outcomes; inf when unknown."""
+        return self._choice.last_error(self._choice.last)
+
     def begin(
         self, target: FloatArray, outcome: FloatArray, rng: np.random.Generator
     ) -> FloatArray:
@@ -162,8 +172,11 @@ class InterestPaths:
         point: FloatArray = self._path[self._next]
         return point
 
-    def advance(self, outcome_step: FloatArray) -> bool:
-        """Go on to the next step and return whether the goal was the last."""
+    def advance(self, outcome_step: FloatArray, outcome: FloatArray | None = None) -> bool:
+        """Go on to the next step and return whether the goal was the last.
+
+        Where the outcome is follows from its steps, so it need not be given.
+        """
         self._outcome = self._outcome + outcome_step
         self._next += 1
         if self._next < len(self._path):

@@ -73,13 +73,14 @@ def test_paths_report_how_far_off_the_goal_they_ended() -> None:
     paths = InterestPaths(goals, 2, choice)
     outcome = np.array([0.5, 0.5])
     paths.begin(outcome, outcome, rng)
+    assert paths.goal_error == np.inf
     goal = goals[choice.last]
     miss = np.array([0.3, 0.4])
     np.testing.assert_allclose(paths.target(), 0.5 * (outcome + goal))
     assert not paths.advance(0.5 * (goal + miss - outcome))
     np.testing.assert_array_equal(paths.target(), goal)
     assert paths.advance(0.5 * (goal + miss - outcome))
-    assert choice.state().arrays["errors"][choice.last, -1] == pytest.approx(0.5)
+    assert paths.goal_error == pytest.approx(0.5)
 
 
 def test_a_restored_learner_chooses_the_same_goals() -> None:
