@@ -14,7 +14,7 @@ from bha_goal_babbling.arrays import FloatArray
 
 
 def random_action(world: World, spread: float, rng: np.random.Generator) -> FloatArray:
-    """Return an action drawn within the limits around home, shape (m,).
+    """Return an action drawn uniformly within the limits around home, shape (m,).
 
     Parameters
     ----------
@@ -25,7 +25,9 @@ def random_action(world: World, spread: float, rng: np.random.Generator) -> Floa
     rng : numpy.random.Generator
         Source of the action.
     """
-    return world.clipped(world.home_action + rng.uniform(-spread, spread, world.home_action.size))
+    low = np.maximum(world.action_low, world.home_action - spread)
+    high = np.minimum(world.action_high, world.home_action + spread)
+    return rng.uniform(low, high)
 
 
 class MotorBabbling(Method):
