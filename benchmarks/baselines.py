@@ -349,7 +349,7 @@ EXPERIMENT = Experiment(
     name="baselines",
     claim="exploring everything is not feasible in high dimensions, whether for forward models, "
     "differential inverses or direct fits; errors led back need prior knowledge (section 1)",
-    shows="samples to 10 % of the first error, errors, joint travel and smoothness of all methods side by side",
+    shows="samples to 10 % of the first error, errors, joint travel, smoothness, side by side",
     minutes=15.0,
     seeds=11,
     plan=plan,
