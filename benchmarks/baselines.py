@@ -2,8 +2,8 @@
 
 Every method acts in the same world (planar arms of 1 m, limits of half a turn, 77 goals) and is
 measured by its answers to the goals, without noise and without acting. `METHODS` holds the settings
-of each; they were tried out by hand on seeds 0 to 19 and are the same for all arms, up to the
-factor 1 / sqrt(m) where random angles add up.
+of each. They were tried out by hand on seeds 0 and 1, with 1,000 to 3,000 samples on 2, 20 and 50
+joints, and are the same for all arms, up to the factor 1 / sqrt(m) where random angles add up.
 """
 
 from __future__ import annotations
@@ -251,7 +251,9 @@ def _chosen(runs: Sequence[Run], method: str, joints: int) -> list[Run]:
 
 
 def _median(values: Sequence[float | None]) -> float | None:
-    """Return the median where None means never; None if that is the median."""
+    """Return the median where None means never; None if that is the median, or nothing is known."""
+    if not values:
+        return None
     median = float(np.median([math.inf if value is None else value for value in values]))
     return median if math.isfinite(median) else None
 
@@ -305,24 +307,12 @@ def _bounds(runs: Sequence[Run]) -> list[Bound]:
         )
         for name in ("motor babbling, all angles", "direct fit, all angles")
     ]
-    fewest = {
-        own: min(
-            (
-                median
-                for name, contender in METHODS.items()
-                if contender.ours == own and not contender.knows_jacobian
-                if (median := _median(_tenths(runs, name, joints))) is not None
-            ),
-            default=None,
-        )
-        for own in (True, False)
-    }
     bounds.append(
         Bound.at_most(
             f"{joints} joints: fewest samples to 10 % of ours over the fewest of the others "
             "without prior knowledge",
             1.0,
-            _ratio(fewest[True], fewest[False]),
+            _lead(runs, joints),
         )
     )
     bounds.append(
@@ -335,8 +325,15 @@ def _bounds(runs: Sequence[Run]) -> list[Bound]:
     return bounds
 
 
-def _tenths(runs: Sequence[Run], method: str, joints: int) -> list[float | None]:
-    return [run.figures["samples_to_tenth"] for run in _chosen(runs, method, joints)]
+def _lead(runs: Sequence[Run], joints: int) -> float | None:
+    """Return our fewest samples to 10 % over those of others, medians; 0 if only ours get there."""
+    fewest = {True: math.inf, False: math.inf}
+    for name, contender in METHODS.items():
+        chosen = _chosen(runs, name, joints)
+        median = _median([run.figures["samples_to_tenth"] for run in chosen])
+        if median is not None and not contender.knows_jacobian:
+            fewest[contender.ours] = min(fewest[contender.ours], median)
+    return fewest[True] / fewest[False] if math.isfinite(fewest[True]) else None
 
 
 def _ratio(above: float | None, below: float | None) -> float | None:

@@ -156,23 +156,27 @@ def _row(joints: int, learner: str, choice: str, runs: list[Run]) -> dict[str, A
 
 def _bounds(runs: Sequence[Run]) -> list[Bound]:
     """Return that goals chosen by interest are no worse than random ones, all arms together."""
-    bounds = []
-    for learner in LEARNERS:
-        ratios = []
-        for joints in sorted({run.settings["joints"] for run in runs}):
-            chosen = _quantile(_chosen(runs, joints, learner, "interest"), 0.5)
-            random = _quantile(_chosen(runs, joints, learner, "random"), 0.5)
-            if chosen is not None and random is not None:
-                ratios.append(chosen / random)
-        bounds.append(
-            Bound.at_most(
-                f"settings {learner}: movements to 10 % with interest over those with random "
-                "goals, geometric mean over the arms",
-                1.0,
-                float(np.exp(np.mean(np.log(ratios)))) if ratios else None,
-            )
+    return [
+        Bound.at_most(
+            f"settings {learner}: movements to 10 % with interest over those with random goals, "
+            "geometric mean over the arms",
+            1.0,
+            _mean_ratio(runs, learner),
         )
-    return bounds
+        for learner in LEARNERS
+    ]
+
+
+def _mean_ratio(runs: Sequence[Run], learner: str) -> float | None:
+    """Return interest over random, medians; None if one of them never gets there on some arm."""
+    logarithms = []
+    for joints in {run.settings["joints"] for run in runs}:
+        chosen = _quantile(_chosen(runs, joints, learner, "interest"), 0.5)
+        random = _quantile(_chosen(runs, joints, learner, "random"), 0.5)
+        if chosen is None or random is None:
+            return None
+        logarithms.append(math.log(chosen / random))
+    return math.exp(sum(logarithms) / len(logarithms))
 
 
 _NOTE = ""

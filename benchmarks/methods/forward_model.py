@@ -1,9 +1,11 @@
 """A learned forward model f(q): ridge regression on random features.
 
-    parameters = (Phi' Phi + noise^2 I)^-1 Phi' (x - x_home)
+    parameters = (Phi' Phi + noise^2 I)^-1 Phi' dx = Phi' (Phi Phi' + noise^2 I)^-1 dx,
+    dx = x - x_home,
 
-over all examples so far. A fit costs the cube of the number of features, so examples are gathered
-and fitted when the model is asked and their number has grown enough.
+over all examples so far; the second form is the cheaper one while there are fewer examples than
+features. A fit costs the cube of the smaller number, so examples are gathered and fitted when the
+model is asked and their number has grown enough.
 """
 
 import numpy as np
@@ -46,12 +48,16 @@ class ForwardModel:
         length *= np.sqrt(home_action.size)
         self._features = RandomFeatures(home_action, length, waves, rng)
         self._home_outcome = home_outcome
-        self._square = noise**2 * np.eye(self._features.count)
+        self._ridge = noise**2
+        self._square = self._ridge * np.eye(self._features.count)
         self._product = np.zeros((self._features.count, home_outcome.size))
         self._parameters = np.zeros_like(self._product)
         self._actions: list[FloatArray] = []
         self._outcomes: list[FloatArray] = []
         self._fitted = 0
+        # All examples, as long as they are fewer than the features.
+        self._rows = np.empty((0, self._features.count))
+        self._misses = np.empty((0, home_outcome.size))
 
     def learn(self, action: FloatArray, outcome: FloatArray) -> None:
         """Take one example, shapes (m,) and (n,)."""
@@ -72,9 +78,16 @@ class ForwardModel:
     def _fit(self) -> None:
         if len(self._actions) <= _GROWTH * self._fitted:
             return
-        features = self._features(np.array(self._actions))
-        self._square += features.T @ features
-        self._product += features.T @ (np.array(self._outcomes) - self._home_outcome)
-        self._parameters = cho_solve(cho_factor(self._square), self._product)
+        rows = self._features(np.array(self._actions))
+        misses = np.array(self._outcomes) - self._home_outcome
+        self._square += rows.T @ rows
+        self._product += rows.T @ misses
         self._fitted += len(self._actions)
         self._actions, self._outcomes = [], []
+        if self._fitted < self._features.count:
+            self._rows = np.concatenate([self._rows, rows])
+            self._misses = np.concatenate([self._misses, misses])
+            gram = self._rows @ self._rows.T + self._ridge * np.eye(self._fitted)
+            self._parameters = self._rows.T @ cho_solve(cho_factor(gram), self._misses)
+        else:
+            self._parameters = cho_solve(cho_factor(self._square), self._product)

@@ -74,6 +74,15 @@ def test_bounds_follow_from_the_runs() -> None:
     assert [bound.holds for bound in bad] == [True, True, True, False]
 
 
+def test_who_alone_gets_there_leads() -> None:
+    """And who never does has no figure, which is no success."""
+    alone = [run for run in made_runs(2.0) if run.settings["method"] != "nearest neighbour"]
+    assert EXPERIMENT.summarise(alone).bounds[2].measured == 0.0
+    without = [run for run in made_runs(2.0) if not METHODS[run.settings["method"]].ours]
+    bound = EXPERIMENT.summarise(without).bounds[2]
+    assert (bound.measured, bound.holds) == (None, False)
+
+
 def test_draws_an_axis_each_arm() -> None:
     figure = Figure()
     EXPERIMENT.draw(made_runs(1.0), figure)

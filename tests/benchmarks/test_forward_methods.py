@@ -31,26 +31,23 @@ def test_slopes_of_features_are_the_numerical_ones() -> None:
     np.testing.assert_allclose(analytic, numerical, atol=1e-4)
 
 
-def test_forward_model_is_ridge_regression_on_all_examples() -> None:
-    """Fitted in parts or at once, it predicts the same; the reference is least squares."""
+@pytest.mark.parametrize("count", [15, 60])
+def test_forward_model_is_ridge_regression_on_all_examples(count: int) -> None:
+    """With fewer examples than features (24) and with more; the reference is least squares."""
     rng = np.random.default_rng(1)
     home = np.zeros(3)
-    actions = rng.standard_normal((60, 3))
+    actions = rng.standard_normal((count, 3))
     outcomes = np.stack([np.sin(actions[:, 0]), actions[:, 1] * actions[:, 2]], axis=1)
-
     model = ForwardModel(home, np.zeros(2), 1.0, 20, 0.1, np.random.default_rng(7))
-    for action, outcome in zip(actions, outcomes, strict=True):
-        model.learn(action, outcome)
-        model.predict(actions[:1])
-    # The last few examples wait until they are 5 % of all; a few more complete the set.
+    for part in np.array_split(np.arange(count), 5):
+        for index in part:
+            model.learn(actions[index], outcomes[index])
+        model.predict(actions[:1])  # A fit each part.
     features = RandomFeatures(home, np.sqrt(3.0), 20, np.random.default_rng(7))
-    fitted = 60 - len(model._actions)
-    phi = features(actions[:fitted])
-    tall = np.vstack([phi, 0.1 * np.eye(features.count)])
-    padded = np.vstack([outcomes[:fitted], np.zeros((features.count, 2))])
+    tall = np.vstack([features(actions), 0.1 * np.eye(features.count)])
+    padded = np.vstack([outcomes, np.zeros((features.count, 2))])
     parameters = np.linalg.lstsq(tall, padded)[0]
     np.testing.assert_allclose(model.predict(actions), features(actions) @ parameters, atol=1e-9)
-    assert fitted >= 57
 
 
 def test_resolved_step_is_the_pseudo_inverse_plus_the_null_space_pull() -> None:

@@ -62,6 +62,14 @@ def test_bounds_follow_from_the_runs(
     ] * len(LEARNERS)
 
 
+def test_an_arm_that_is_never_learned_is_not_left_out() -> None:
+    """Good ratios elsewhere do not make up for it."""
+    there, never = made_runs([5, 10, 10]), made_runs([None] * 3)
+    other_arm = [Run(run.seed, {**run.settings, "joints": 20}, run.figures) for run in never]
+    bounds = EXPERIMENT.summarise(there + other_arm).bounds
+    assert [bound.measured for bound in bounds] == [None] * len(LEARNERS)
+
+
 def test_draws_an_axis_each_arm_and_learner() -> None:
     figure = Figure()
     EXPERIMENT.draw(made_runs([5, 10, 20]), figure)
