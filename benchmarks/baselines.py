@@ -340,7 +340,14 @@ def _ratio(above: float | None, below: float | None) -> float | None:
     return None if above is None or below is None else above / below
 
 
-_NOTE = ""
+_NOTE = (
+    "Over all angles, random data fail beyond few joints, as the article says. Near home they do "
+    "not: in a box of angles chosen for these goals, a direct fit needs few samples even at 50 "
+    "joints, since its solutions lie close together, but then keeps the error of averaging; goal "
+    "babbling needs no such box. At 2 joints a forward model is quicker than any goal babbling. "
+    "Feedback-error learning is given the arm's Jacobian. The gradient method does not lead in "
+    "samples. Forward models have random features; more of them would help them at 50 joints."
+)
 
 EXPERIMENT = Experiment(
     name="baselines",
