@@ -9,6 +9,7 @@ from bha_goal_babbling.direction_sampling import DirectionTargets
 from bha_goal_babbling.errors import InvalidConfigError
 from bha_goal_babbling.goal_paths import GoalPaths, matrix_or_empty, straight_line
 from bha_goal_babbling.monitored_paths import MonitoredGoalPaths
+from bha_goal_babbling.interest_choice import InterestPaths
 from bha_goal_babbling.saved_state import SavedState
 from bha_goal_babbling.target_source import TargetSource
 
@@ -16,6 +17,7 @@ _RESTORE: dict[str, Callable[[SavedState], TargetSource]] = {
     GoalPaths.kind: GoalPaths.restore,
     MonitoredGoalPaths.kind: MonitoredGoalPaths.restore,
     DirectionTargets.kind: DirectionTargets.restore,
+    InterestPaths.kind: InterestPaths.restore,
 }
 
 

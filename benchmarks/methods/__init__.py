@@ -1,0 +1,1 @@
+"""Methods beside which goal babbling is compared: one world, one interface."""
