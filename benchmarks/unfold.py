@@ -1,4 +1,4 @@
-"""An arm with 20 joints unfolds: it reaches roughly everywhere soon, exactly later, and smoothly."""
+"""An arm with 20 joints unfolds: it reaches roughly everywhere soon, exactly later, smoothly."""
 
 from __future__ import annotations
 

@@ -180,8 +180,8 @@ _NOTE = (
 
 EXPERIMENT = Experiment(
     name="workspace",
-    claim="direction sampling covers the unknown workspace of an arm with 50 joints in 1e6 samples, "
-    "for which random motor babbling needs 1e14 (section 4)",
+    claim="direction sampling covers the unknown workspace of an arm with 50 joints in 1e6 "
+    "samples, for which random motor babbling needs 1e14 (section 4)",
     shows="coverage of cells over samples, and the extrapolated cost of random motor babbling",
     minutes=5.0,
     seeds=11,

@@ -83,6 +83,7 @@ class CompiledGoalBabbler:
         self.config = config
         self._rng = rng
         self._forward = forward
+        _check_supported(config)
         action, outcome = vector("home_action", home_action), vector("home_outcome", home_outcome)
         m, n = action.size, outcome.size
         low, high = vector("action_low", action_low, m), vector("action_high", action_high, m)
@@ -220,3 +221,14 @@ class CompiledGoalBabbler:
             )
             made += more
             self._samples += more
+
+
+def _check_supported(config: GoalBabblerConfig) -> None:
+    """Refuse what only `GoalBabbler` can do: this loop is the article's method and no other."""
+    own = config.model == "local_linear_maps" and not config.monitors_goals
+    if not own or "none" in (config.direction, config.efficiency):
+        raise InvalidConfigError(
+            "the compiled loop knows the gradient method with both weights only: use GoalBabbler "
+            f"for model {config.model!r}, direction {config.direction!r}, efficiency "
+            f"{config.efficiency!r}, or settings that look at the errors of goals"
+        )

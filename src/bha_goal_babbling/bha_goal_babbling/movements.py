@@ -8,8 +8,8 @@ from bha_goal_babbling.arrays import FloatArray, vector
 from bha_goal_babbling.direction_sampling import DirectionTargets
 from bha_goal_babbling.errors import InvalidConfigError
 from bha_goal_babbling.goal_paths import GoalPaths, matrix_or_empty, straight_line
-from bha_goal_babbling.monitored_paths import MonitoredGoalPaths
 from bha_goal_babbling.interest_choice import InterestPaths
+from bha_goal_babbling.monitored_paths import MonitoredGoalPaths
 from bha_goal_babbling.saved_state import SavedState
 from bha_goal_babbling.target_source import TargetSource
 

@@ -134,3 +134,23 @@ def test_refuses_what_does_not_fit_together() -> None:
     ):
         with pytest.raises(GoalBabblingError):
             CompiledGoalBabbler(GoalBabblerConfig(), goals, home, tip, low, limits, rng, FORWARD)
+
+
+@pytest.mark.parametrize(
+    "setting",
+    [
+        {"direction": "none"},
+        {"efficiency": "none"},
+        {"model": "recursive_maps"},
+        {"goal_candidates": 3},
+        {"abort_distance": 0.1},
+        {"noise_per_error": 0.3},
+    ],
+    ids=lambda setting: next(iter(setting)),
+)
+def test_what_only_the_reference_can_do_is_refused(setting: dict[str, object]) -> None:
+    arm = PlanarArm(2)
+    limits = np.full(2, np.pi)
+    task = (GoalBabblerConfig(**setting), arm.goal_grid(), arm.home(), np.array([0.7, 0.0]))
+    with pytest.raises(GoalBabblingError, match="use GoalBabbler"):
+        CompiledGoalBabbler(*task, -limits, limits, np.random.default_rng(0), FORWARD)
