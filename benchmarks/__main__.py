@@ -119,7 +119,7 @@ def _table(rows: list[dict[str, Any]]) -> Table:
     heads = columns(rows)
     for head in heads:
         numeric = all(isinstance(row.get(head), int | float | None) for row in rows)
-        table.add_column(head, justify="right" if numeric else "left")
+        table.add_column(escape(head), justify="right" if numeric else "left")
     for row in rows:
         table.add_row(*(escape(shown(row.get(head))) for head in heads))
     return table

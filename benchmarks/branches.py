@@ -114,7 +114,7 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
         axes.plot([], [], ":", color="#444444", label="home")
         axes.plot(*goals[chosen].T, "x", color="black", label="goal")
         axes.set(title=f"{joints} joints", xlabel="x [m]", ylabel="y [m]", aspect="equal")
-        axes.legend(fontsize="small", loc="upper left")
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=4)
 
 
 def _links(posture: FloatArray) -> FloatArray:

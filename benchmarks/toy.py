@@ -100,7 +100,7 @@ def summarise(runs: Sequence[Run]) -> Summary:
     spreading = median(_each([run.figures["snapshots"][1] for run in runs], "off_gradient"))
     bounds = [
         Bound.at_most(
-            "final error, mean over goals, median [mm]", 5.0, final_error if long_enough else None
+            "final error, mean over goals, median [mm]", 10.0, final_error if long_enough else None
         ),
         Bound.at_most(
             "action space visited, worst seed [%]", 10.0, 100 * max(_each(finals, "visited"))

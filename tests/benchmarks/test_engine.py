@@ -36,7 +36,7 @@ def square(seed: int, *, number: int) -> Figures:
 
 def summary(runs: Sequence[Run]) -> Summary:
     worst = max(run.figures["square"] for run in runs)
-    rows = [{"number": run.settings["number"], "square": run.figures["square"]} for run in runs]
+    rows = [{"number": run.settings["number"], "square [m]": run.figures["square"]} for run in runs]
     return Summary(rows, [Bound.at_most("largest square", 1e4, worst)], "a note")
 
 
@@ -78,7 +78,7 @@ def test_the_json_holds_what_was_promised(order: results.Order) -> None:
     assert told == [(0, 4), (1, 4), (2, 4), (3, 4), (4, 4)]
     content = json.loads((order.out / "toy.json").read_text())
     assert content == result.content
-    assert content["rows"][0] == {"number": 2, "square": 1004.0}
+    assert content["rows"][0] == {"number": 2, "square [m]": 1004.0}
     assert content["bounds"] == [
         {"what": "largest square", "bound": "<= 10000", "measured": 1010.0, "holds": True}
     ]
@@ -233,6 +233,7 @@ def test_a_missed_bound_is_told(
     result = CliRunner().invoke(app, ["toy", "--jobs", "1", "--out", str(tmp_path)])
     assert result.exit_code == status, result.output
     assert "squares grow" in result.output
+    assert "square [m]" in result.output
     assert ("toy: largest square <= 10000" in result.output) == bool(status)
 
 
