@@ -28,9 +28,13 @@ def compiled_babbler(
     config: GoalBabblerConfig,
     seed: int,
     targets: FloatArray | DirectionTargets | None = None,
+    branch: int = 1,
 ) -> CompiledGoalBabbler:
-    """Return a learner that has not begun; its goals are the grid if no others are given."""
-    home, limits = arm.home(), np.full(arm.joints, LIMIT)
+    """Return a learner that has not begun; its goals are the grid if no others are given.
+
+    The branch is the side of the arch at home, +1 or -1 (see `PlanarArm.home`).
+    """
+    home, limits = arm.home(branch=branch), np.full(arm.joints, LIMIT)
     return CompiledGoalBabbler(
         config,
         arm.goal_grid() if targets is None else targets,

@@ -25,6 +25,7 @@ from bha_goal_babbling.compiled_maps import CUTOFF, CompiledMaps
 from bha_goal_babbling.direction_sampling import DirectionTargets
 from bha_goal_babbling.errors import InvalidArrayError, InvalidConfigError
 from bha_goal_babbling.exploration_noise import ExplorationNoise
+from bha_goal_babbling.local_linear_map import LocalLinearMaps
 from bha_goal_babbling.sample_weights import MEAN_HEAD_START, MEAN_RATE, MEAN_START
 
 Forward = Callable[[FloatArray, FloatArray], None]
@@ -121,6 +122,8 @@ class CompiledGoalBabbler:
             outcome_scale=float(config.outcome_scale),
             action_resolution=config.action_resolution / config.action_scale,
             outcome_resolution=config.outcome_resolution / config.outcome_scale,
+            use_direction=config.direction != "none",
+            use_efficiency=config.efficiency != "none",
             relative=config.efficiency == "relative",
             limit=math.inf if config.efficiency_limit is None else float(config.efficiency_limit),
             mean_rate=MEAN_RATE,
@@ -225,10 +228,8 @@ class CompiledGoalBabbler:
 
 def _check_supported(config: GoalBabblerConfig) -> None:
     """Refuse what only `GoalBabbler` can do: this loop is the article's method and no other."""
-    own = config.model == "local_linear_maps" and not config.monitors_goals
-    if not own or "none" in (config.direction, config.efficiency):
+    if config.model != LocalLinearMaps.kind or config.monitors_goals:
         raise InvalidConfigError(
-            "the compiled loop knows the gradient method with both weights only: use GoalBabbler "
-            f"for model {config.model!r}, direction {config.direction!r}, efficiency "
-            f"{config.efficiency!r}, or settings that look at the errors of goals"
+            "the compiled loop knows the gradient method only: use GoalBabbler for model "
+            f"{config.model!r} and for settings that look at the errors of goals"
         )

@@ -389,6 +389,7 @@ class Task(NamedTuple):
     noise_step, noise_keep : Step sd of the noise's walk [action unit], and its shrinkage [-].
     action_scale, outcome_scale : Sizes of actions and outcomes.
     action_resolution, outcome_resolution : Shortest steps that count, in scaled units.
+    use_direction, use_efficiency : Whether w_dir and w_eff weight at all.
     relative, limit : Whether w_eff is divided by its running mean, and its largest value.
     mean_rate, mean_head_start : Constants of that mean.
     """
@@ -408,6 +409,8 @@ class Task(NamedTuple):
     outcome_scale: float
     action_resolution: float
     outcome_resolution: float
+    use_direction: bool
+    use_efficiency: bool
     relative: bool
     limit: float
     mean_rate: float
@@ -564,13 +567,16 @@ def _weight(task: Task, state: State, action: FloatArray, outcome: FloatArray) -
     efficiency = 0.0
     if action_length > task.action_resolution:
         efficiency = outcome_length / action_length
-    if task.relative and efficiency > 0.0:
+    if not task.use_efficiency:
+        efficiency = 1.0 if action_length > task.action_resolution else 0.0
+    elif task.relative and efficiency > 0.0:
         rate = max(task.mean_rate, 1.0 / (state.numbers[WEIGHTED] + task.mean_head_start))
         state.numbers[WEIGHTED] += 1
         state.mean[0] += rate * (efficiency - state.mean[0])
         efficiency /= state.mean[0]
-    efficiency = min(efficiency, task.limit)
-    if state.numbers[GOING_HOME] == 1:
+    if task.use_efficiency:
+        efficiency = min(efficiency, task.limit)
+    if state.numbers[GOING_HOME] == 1 or not task.use_direction:
         return efficiency
     direction = 0.5
     if target_length > 0.0 and outcome_length > task.outcome_resolution:

@@ -28,6 +28,7 @@ SCALED = GoalBabblerConfig(
     path_steps=7,
     learning_rate=0.1,
 )
+UNWEIGHTED = GoalBabblerConfig(direction="none", efficiency="none", learning_rate=0.3)
 
 
 def twins(
@@ -57,7 +58,9 @@ def outcomes(arm: PlanarArm, babbler: GoalBabbler, samples: int) -> FloatArray:
 
 
 @pytest.mark.parametrize("joints", [2, 5, 20])
-@pytest.mark.parametrize("config", [SLOW, FAST, SCALED], ids=["slow", "fast", "scaled"])
+@pytest.mark.parametrize(
+    "config", [SLOW, FAST, SCALED, UNWEIGHTED], ids=["slow", "fast", "scaled", "unweighted"]
+)
 @pytest.mark.parametrize("directions", [False, True], ids=["paths", "directions"])
 def test_the_loop_is_the_reference(
     joints: int, config: GoalBabblerConfig, directions: bool
@@ -139,8 +142,6 @@ def test_refuses_what_does_not_fit_together() -> None:
 @pytest.mark.parametrize(
     "setting",
     [
-        {"direction": "none"},
-        {"efficiency": "none"},
         {"model": "recursive_maps"},
         {"goal_candidates": 3},
         {"abort_distance": 0.1},
