@@ -399,7 +399,10 @@ def start_controller(start: StartGraph, **parameters: Any) -> RunningGraph:
         real_time_factor=3.0,
         parameters={"pressure_ctrl": parameters},
     )
-    graph.wait_robot(0.5)
+    graph.wait(
+        lambda: "no lengths" not in graph.values("pressure_ctrl")["summary"],
+        "the controller seeing the robot",
+    )
     return graph
 
 
@@ -420,7 +423,8 @@ class TestControllerAlone:
     def test_it_vents_when_the_commander_is_silent(self, hand: LengthHand) -> None:
         hand.hold(np.full(bellows.COUNT, 0.21), 5.0)
         assert hand.graph.pressures().max() > 3e4
-        assert hand.graph.fresh("pressure_ctrl")["mode"] == "control"
+        # The newest diagnostics came while commands did; the next may come too late.
+        assert hand.graph.values("pressure_ctrl")["mode"] == "control"
         begin = len(hand.outputs.messages)
         hand.graph.wait(lambda: hand.graph.pressures().max() < 500.0, "vented bellows")
         values = hand.graph.fresh("pressure_ctrl")
