@@ -38,28 +38,33 @@ FORWARD_SIGNATURE = numba.types.void(_VECTOR, _VECTOR)
 """Type of a forward function: (action, shape (m,); filled with the outcome, shape (n,))."""
 
 
-def compiled(function: Function) -> Function:
-    """Compile a function, and keep its machine code on disk.
+def inlined(function: Function) -> Function:
+    """Compile a function of the inner loop into its callers, and keep their code on disk.
 
-    Without numba's run time a function cannot allocate, but counts no references to arrays
-    either: counting is atomic, and would take more time than the arithmetic.
+    A call would copy every number of the tuples of arrays. And without numba's run time a function
+    cannot allocate, but counts no references to arrays either: counting is atomic. Both would take
+    more time than the arithmetic.
     """
-    return _compiled(function, run_time=False)
+    return _compiled(function, _nrt=False, forceinline=True)
 
 
-def compiled_with_run_time(function: Function) -> Function:
-    """Compile a function that needs numba's run time; for what does not run at every step."""
-    return _compiled(function, run_time=True)
+def called(function: Function) -> Function:
+    """Compile a function of the inner loop that is called now and then, or from Python."""
+    return _compiled(function, _nrt=False)
 
 
-def _compiled(function: Function, *, run_time: bool) -> Function:
-    result: Function = numba.njit(cache=True, fastmath=_MATH, error_model="numpy", _nrt=run_time)(
-        function
-    )
+def called_with_run_time(function: Function) -> Function:
+    """Compile a function that allocates."""
+    return _compiled(function)
+
+
+def _compiled(function: Function, **options: bool) -> Function:
+    compile_ = numba.njit(cache=True, fastmath=_MATH, error_model="numpy", **options)
+    result: Function = compile_(function)
     return result
 
 
-@compiled
+@inlined
 def _copy(source: FloatArray, target: FloatArray) -> None:
     """Copy an array over the beginning of another; numba's own way may allocate."""
     for i in range(len(source)):
@@ -106,7 +111,7 @@ class Maps(NamedTuple):
     residual: FloatArray
 
 
-@compiled
+@inlined
 def _first_slot(maps: Maps, cell: IntArray) -> int:
     """Return the slot of the hash table at which the search for a cell begins."""
     key = np.uint64(0)
@@ -117,7 +122,7 @@ def _first_slot(maps: Maps, cell: IntArray) -> int:
     return int(np.int64(key & np.uint64(len(maps.slots) - 1)))
 
 
-@compiled
+@inlined
 def _find_slot(maps: Maps, cell: IntArray) -> int:
     """Return the slot that holds a cell, or else the free one where it belongs."""
     slot = _first_slot(maps, cell)
@@ -131,7 +136,7 @@ def _find_slot(maps: Maps, cell: IntArray) -> int:
     return slot
 
 
-@compiled
+@inlined
 def _cell_at(maps: Maps, outcome: FloatArray) -> int:
     """Return the index of the cell around an outcome, -1 if no map is near."""
     cell = maps.cell
@@ -140,7 +145,7 @@ def _cell_at(maps: Maps, outcome: FloatArray) -> int:
     return int(maps.slots[_find_slot(maps, cell)])
 
 
-@compiled
+@called
 def register(maps: Maps, index: int) -> None:
     """Enter a map in the lists of all cells in the block around it."""
     if maps.radius == 0:
@@ -166,7 +171,7 @@ def register(maps: Maps, index: int) -> None:
         maps.counts[2] = max(maps.counts[2], maps.near_counts[entry])
 
 
-@compiled
+@inlined
 def has_room(maps: Maps) -> bool:
     """Return whether one more map fits in everywhere."""
     if maps.counts[0] == len(maps.centers):
@@ -177,7 +182,7 @@ def has_room(maps: Maps) -> bool:
     return cells <= len(maps.near_counts) and bool(maps.counts[2] < maps.near.shape[1])
 
 
-@compiled
+@inlined
 def _measure(maps: Maps, outcome: FloatArray, cell: int) -> float:
     """Fill |z_k|^2 of a cell's maps, or of all for cell -1, and return the smallest."""
     nearest = np.inf
@@ -196,7 +201,7 @@ def _measure(maps: Maps, outcome: FloatArray, cell: int) -> float:
     return nearest
 
 
-@compiled
+@inlined
 def exponentials(values: FloatArray, count: int) -> None:
     """Replace the first values, which are in -8 to 0, by their exponentials, to 1e-14.
 
@@ -214,7 +219,7 @@ def exponentials(values: FloatArray, count: int) -> None:
         values[i] = y * y
 
 
-@compiled
+@inlined
 def weigh(maps: Maps, outcome: FloatArray) -> tuple[int, float]:
     """Fill `chosen` and `features` with the maps that count at an outcome.
 
@@ -267,7 +272,7 @@ def weigh(maps: Maps, outcome: FloatArray) -> tuple[int, float]:
     return count, nearest
 
 
-@compiled
+@inlined
 def blend(maps: Maps, count: int, action: FloatArray) -> None:
     """Fill g(x) = sum_k h_k [1, z_k] parameters_k, shape (m,), after `weigh`."""
     rows, m = maps.parameters.shape[1], maps.parameters.shape[2]
@@ -287,7 +292,7 @@ def blend(maps: Maps, count: int, action: FloatArray) -> None:
                     action[j] += a * value[row, j]
 
 
-@compiled
+@called
 def scaled_slope(maps: Maps, outcome: FloatArray, count: int, slope: FloatArray) -> None:
     """Fill d times dg/dx, transposed, shape (n, m), after `weigh`.
 
@@ -313,7 +318,7 @@ def scaled_slope(maps: Maps, outcome: FloatArray, count: int, slope: FloatArray)
                 slope[axis, j] += 2.0 * (mean[axis] - z) * local
 
 
-@compiled
+@called
 def insert(maps: Maps, outcome: FloatArray, count: int) -> None:
     """Add a map at an outcome that leaves g and dg/dx there as they were, after `weigh`."""
     new = maps.counts[0]
@@ -324,7 +329,7 @@ def insert(maps: Maps, outcome: FloatArray, count: int) -> None:
     register(maps, new)
 
 
-@compiled
+@inlined
 def learn(
     maps: Maps,
     outcome: FloatArray,
@@ -367,7 +372,7 @@ def learn(
                     value[row, j] += a * residual[j]
 
 
-@compiled
+@called
 def predict_many(maps: Maps, outcomes: FloatArray, actions: FloatArray) -> None:
     """Fill g at many outcomes, shape (N, n), as actions, shape (N, m)."""
     for i in range(len(outcomes)):
@@ -455,7 +460,7 @@ class State(NamedTuple):
 OVER, GOING_HOME, STEP, MOVEMENTS, GOAL, WEIGHTED = range(6)
 
 
-@compiled
+@inlined
 def draw_normal(rng: np.random.Generator) -> float:
     """Return a standard normal number, the one that `rng.standard_normal()` would.
 
@@ -472,7 +477,7 @@ def draw_normal(rng: np.random.Generator) -> float:
     return _normal_at_an_edge(rng, normal, place, layer)
 
 
-@compiled
+@inlined
 def walk(rng: np.random.Generator, step: float, keep: float, noise: FloatArray) -> None:
     """Take one step of the noise's random walk, shape (1 + n, m), as `ExplorationNoise` does."""
     rows, columns = noise.shape
@@ -481,7 +486,7 @@ def walk(rng: np.random.Generator, step: float, keep: float, noise: FloatArray) 
             noise[row, column] = keep * (noise[row, column] + step * draw_normal(rng))
 
 
-@compiled
+@called
 def _normal_at_an_edge(rng: np.random.Generator, normal: float, place: int, layer: int) -> float:
     """Return the normal that comes of a draw outside of a layer's inner rectangle; one in 80."""
     if layer == 0:
@@ -498,7 +503,7 @@ def _normal_at_an_edge(rng: np.random.Generator, normal: float, place: int, laye
     return rng.standard_normal()
 
 
-@compiled_with_run_time
+@called_with_run_time
 def _begin(task: Task, state: State, rng: np.random.Generator) -> None:
     """Start the next movement, as `Movements.prepare` does."""
     numbers = state.numbers
@@ -532,7 +537,7 @@ def _begin(task: Task, state: State, rng: np.random.Generator) -> None:
     _copy(state.previous, state.start)
 
 
-@compiled
+@inlined
 def _aim(task: Task, state: State) -> None:
     """Fill the target of the present step of a movement that does not go home."""
     n = len(state.outcome)
@@ -549,7 +554,7 @@ def _aim(task: Task, state: State) -> None:
             state.target[i] = state.start[i] + share * (goal[i] - state.start[i])
 
 
-@compiled
+@inlined
 def _weight(task: Task, state: State, action: FloatArray, outcome: FloatArray) -> float:
     """Return w = w_dir w_eff, as `SampleWeights` does."""
     action_length = 0.0
@@ -585,7 +590,7 @@ def _weight(task: Task, state: State, action: FloatArray, outcome: FloatArray) -
     return direction * efficiency
 
 
-@compiled
+@inlined
 def _ask(maps: Maps, task: Task, state: State, rng: np.random.Generator) -> None:
     """Fill the next action, as `GoalBabbler.ask` does."""
     n, m = len(state.outcome), len(state.action)
@@ -614,7 +619,7 @@ def _ask(maps: Maps, task: Task, state: State, rng: np.random.Generator) -> None
         action[j] = min(max(action[j], task.low[j]), task.high[j])
 
 
-@compiled
+@inlined
 def _tell(maps: Maps, task: Task, state: State) -> None:
     """Learn what came of the action, and go on, as `GoalBabbler.tell` does."""
     n, m = len(state.outcome), len(state.action)
@@ -641,7 +646,7 @@ def _tell(maps: Maps, task: Task, state: State) -> None:
     _copy(outcome, state.outcome)
 
 
-@compiled
+@called
 def _move(
     maps: Maps,
     task: Task,
@@ -665,7 +670,7 @@ def _move(
     return len(visited)
 
 
-@compiled_with_run_time
+@called_with_run_time
 def babble(
     maps: Maps,
     task: Task,
