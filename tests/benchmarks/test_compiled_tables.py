@@ -5,10 +5,10 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from benchmarks.experiment import Run
 from matplotlib.figure import Figure
 
 from benchmarks import learning_rate, unfold, workspace
-from benchmarks.experiment import Run
 
 
 @pytest.mark.parametrize("table", [unfold, learning_rate, workspace])
