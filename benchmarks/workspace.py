@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from collections.abc import Sequence
 from statistics import median
@@ -100,10 +101,26 @@ def random_tip_density(radii: FloatArray, joints: int) -> FloatArray:
     return np.array(density)
 
 
+@functools.cache
+def _random_chances() -> FloatArray:
+    """Return the chance that a random arm's tip is in a cell within reach, shape (cells,).
+
+    The density changes by much within a cell: it is averaged over the cell, by its radius.
+    """
+    radii = np.linspace(0.001, 0.999, 999)
+    density = random_tip_density(radii, _JOINTS)
+    offsets = (np.arange(8) + 0.5) / 8.0 * _CELL - 0.5 * _CELL
+    inner = np.stack(np.meshgrid(offsets, offsets), axis=-1).reshape(-1, 2)
+    points = cells_within_reach(1.0)[:, np.newaxis] + inner
+    chances: FloatArray = _CELL**2 * np.interp(
+        np.linalg.norm(points, axis=-1), radii, density, right=0.0
+    ).mean(axis=1)
+    return chances
+
+
 def random_samples_for(coverage: float) -> float:
     """Return the number of random samples at which a coverage is expected."""
-    radii = np.linalg.norm(cells_within_reach(1.0), axis=1)
-    chances = _CELL**2 * random_tip_density(radii, _JOINTS)
+    chances = _random_chances()
 
     def lacking(exponent: float) -> float:
         return coverage - float(np.mean(-np.expm1(-(10.0**exponent) * chances)))

@@ -88,5 +88,5 @@ def test_random_coverage_is_foretold() -> None:
     samples = round(workspace.random_samples_for(0.17))
     settings = {"method": "random motor babbling", "samples": [samples]}
     (coverage,) = workspace.run(3, **settings)["coverage"]
-    assert coverage == pytest.approx(0.17, abs=0.02)
+    assert coverage == pytest.approx(0.17, abs=0.01)
     assert workspace.random_samples_for(0.8) > 1e12
