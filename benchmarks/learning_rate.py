@@ -137,7 +137,8 @@ def _medians(runs: Sequence[Run]) -> dict[tuple[int, float], float]:
 
 _NOTE = (
     "The article's factor holds while learning waits for its ignition, with these settings up to a "
-    "rate of 0.1; from there to 1 ten times the rate brings less than ten times."
+    "rate of 0.1, and is largest at the smallest rates. From 0.1 to 1 ten times the rate brings "
+    "less than ten times."
 )
 
 EXPERIMENT = Experiment(

@@ -1,4 +1,4 @@
-"""An arm with 20 joints unfolds: it reaches roughly everywhere soon, exactly later, smoothly."""
+"""An arm with 20 joints unfolds: it reaches roughly everywhere soon, and later exactly."""
 
 from __future__ import annotations
 

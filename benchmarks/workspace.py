@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import functools
 import math
 from collections.abc import Sequence
 from statistics import median
@@ -22,7 +24,8 @@ if TYPE_CHECKING:
 
 _JOINTS = 50
 _CELL = 0.1  # [m]
-_STEP = 0.02  # eps of direction sampling [m]
+_STEP = 0.1  # eps of direction sampling [m]: a step must show above the noise of 50 joints
+_CONFIG = dataclasses.replace(FAST, map_distance=0.1, noise_spread=0.05, noise_step=0.05)
 _MARKS = (1_000, 10_000, 100_000, 1_000_000)  # samples
 _DIRECTIONS, _RANDOM = "direction sampling", "random motor babbling"
 _CHUNK = 10_000
@@ -43,7 +46,7 @@ def run(seed: int, *, method: str, samples: list[int]) -> Figures:
         `coverage`: visited cells over cells within reach, an entry a mark.
     """
     arm = PlanarArm(_JOINTS)
-    babbler = compiled_babbler(arm, FAST, seed, DirectionTargets(_STEP, 2))
+    babbler = compiled_babbler(arm, _CONFIG, seed, DirectionTargets(_STEP, 2))
     rng = np.random.default_rng(seed)
     within_reach = len(cells_within_reach(arm.length))
     side = math.ceil(arm.length / _CELL) + 1
@@ -98,10 +101,26 @@ def random_tip_density(radii: FloatArray, joints: int) -> FloatArray:
     return np.array(density)
 
 
+@functools.cache
+def _random_chances() -> FloatArray:
+    """Return the chance that a random arm's tip is in a cell within reach, shape (cells,).
+
+    The density changes by much within a cell: it is averaged over the cell, by its radius.
+    """
+    radii = np.linspace(0.001, 0.999, 999)
+    density = random_tip_density(radii, _JOINTS)
+    offsets = (np.arange(8) + 0.5) / 8.0 * _CELL - 0.5 * _CELL
+    inner = np.stack(np.meshgrid(offsets, offsets), axis=-1).reshape(-1, 2)
+    points = cells_within_reach(1.0)[:, np.newaxis] + inner
+    chances: FloatArray = _CELL**2 * np.interp(
+        np.linalg.norm(points, axis=-1), radii, density, right=0.0
+    ).mean(axis=1)
+    return chances
+
+
 def random_samples_for(coverage: float) -> float:
     """Return the number of random samples at which a coverage is expected."""
-    radii = np.linalg.norm(cells_within_reach(1.0), axis=1)
-    chances = _CELL**2 * random_tip_density(radii, _JOINTS)
+    chances = _random_chances()
 
     def lacking(exponent: float) -> float:
         return coverage - float(np.mean(-np.expm1(-(10.0**exponent) * chances)))

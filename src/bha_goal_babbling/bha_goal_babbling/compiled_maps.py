@@ -12,6 +12,7 @@ import numpy as np
 
 from bha_goal_babbling import compiled_kernels as kernels
 from bha_goal_babbling.arrays import FloatArray
+from bha_goal_babbling.compiled_kernels import IntArray
 from bha_goal_babbling.errors import InvalidConfigError
 from bha_goal_babbling.local_linear_map import LocalLinearMaps
 from bha_goal_babbling.saved_state import SavedState
@@ -160,7 +161,10 @@ class CompiledMaps:
                 old.near.shape[1] << grow_lists,
             )
             self.arrays = _empty((old.distance, old.rate, old.drop, old.radius), (n, m), capacities)
-            for k in range(known):
+            order = (
+                _by_place(old.centers[:known], 3.0 * old.distance) if block > 1 else range(known)
+            )
+            for k in order:
                 self._add(old.centers[k], old.parameters[k])
 
     def _add(self, center: FloatArray, parameters: FloatArray) -> None:
@@ -169,6 +173,21 @@ class CompiledMaps:
         self.arrays.parameters[new] = parameters
         self.arrays.counts[0] += 1
         kernels.register(self.arrays, new)
+
+
+def _by_place(centers: FloatArray, width: float) -> IntArray:
+    """Return the order of maps along strips of the space of outcomes, shape (K,).
+
+    Neighbours then lie together in memory too, which counts when maps fill more than the caches.
+
+    Parameters
+    ----------
+    centers : Centres of the maps, shape (K, n).
+    width : Width of a strip.
+    """
+    strips = np.floor(centers[:, :-1] / width)
+    order: IntArray = np.lexsort([centers[:, -1], *strips.T[::-1]])
+    return order
 
 
 def _empty(
