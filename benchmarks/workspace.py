@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 _JOINTS = 50
 _CELL = 0.1  # [m]
-_STEP = 0.1  # eps of direction sampling [m]: a step must show above the noise of 50 joints
+_STEP = 0.15  # eps of direction sampling [m]: a step must show above the noise of 50 joints
 _CONFIG = dataclasses.replace(FAST, map_distance=0.1, noise_spread=0.05, noise_step=0.05)
 _MARKS = (1_000, 10_000, 100_000, 1_000_000)  # samples
 _DIRECTIONS, _RANDOM = "direction sampling", "random motor babbling"
