@@ -131,13 +131,11 @@ METHODS: dict[str, _Contender] = {
     "nearest neighbour": _Contender(
         lambda arm, world, rng: NearestNeighbour(world, rng, exploration=_share(arm, 0.4))
     ),
+    "RLS goal babbling": _Contender(
+        lambda arm, world, rng: GoalBabbling(world, rng, GoalBabblerConfig.rls()), ours=True
+    ),
 }
 """All compared methods by name."""
-
-if hasattr(GoalBabblerConfig, "rls"):
-    METHODS["RLS goal babbling"] = _Contender(
-        lambda arm, world, rng: GoalBabbling(world, rng, GoalBabblerConfig.rls()), ours=True
-    )
 
 
 def plan(quick: bool) -> Sequence[Settings]:

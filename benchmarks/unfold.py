@@ -26,9 +26,8 @@ _RLS = "RLS goal babbling"
 _CONFIGS: dict[str, GoalBabblerConfig] = {
     "goal babbling": ARTICLE,
     "goal babbling, fast settings": FAST,
+    _RLS: GoalBabblerConfig.rls(),
 }
-if hasattr(GoalBabblerConfig, "rls"):
-    _CONFIGS[_RLS] = GoalBabblerConfig.rls()
 
 
 def plan(quick: bool) -> Sequence[Settings]:

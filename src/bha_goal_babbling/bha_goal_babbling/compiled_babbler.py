@@ -93,10 +93,6 @@ class CompiledGoalBabbler:
                 f"home_action must lie within the limits, got {action.tolist()} "
                 f"for {low.tolist()} to {high.tolist()}"
             )
-        if config.efficiency not in ("plain", "relative"):
-            raise InvalidConfigError(
-                f"machine code knows the efficiencies plain and relative, got {config.efficiency!r}"
-            )
         if isinstance(goals, DirectionTargets):
             if goals.size != n:
                 raise InvalidArrayError(
