@@ -2,7 +2,7 @@
 
 Every method acts in the same world (planar arms of 1 m, limits of half a turn, 77 goals) and is
 measured by its answers to the goals, without noise and without acting. `METHODS` holds the settings
-of each. They were tried out by hand on seeds 0 and 1, with 1,000 to 3,000 samples on 2, 20 and 50
+of each. They were tried out by hand on seeds 0 to 2, with 1,000 to 3,000 samples on 2, 20 and 50
 joints, and are the same for all arms, up to the factor 1 / sqrt(m) where random angles add up.
 """
 

@@ -15,7 +15,7 @@ _HEAD = """# The article's tables, made anew
 Each table stands beside what the article claims (Rolf and Steil, "Learning inverse models in high
 dimensions with goal babbling and reward-weighted averaging"). `./bha paper NAME` makes one,
 `./bha paper list` tells what there is and how long it takes, and `./bha paper report` writes this
-page from the results. Seeds from 1000 on were not used to choose any setting.
+page from the results. No setting was chosen on the seeds that a table names.
 """
 
 
