@@ -39,7 +39,7 @@ class Job:
         OtherCodeError
             If this process would make another one.
         """
-        if self.fingerprint != fingerprint():
+        if self.fingerprint != fingerprint(self.function.__module__):
             raise OtherCodeError(
                 "a worker has other code or libraries than this process: start the workers from "
                 "this checkout, with the same Python environment"

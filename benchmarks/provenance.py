@@ -1,16 +1,26 @@
-"""What a run was made with: the code, and the libraries that decide about numbers."""
+"""What a run was made with: the code behind it, and the libraries that decide about numbers."""
 
 import hashlib
 import importlib.metadata
+import importlib.util
 import platform
+import sys
 from functools import cache
 from pathlib import Path
 
-import benchmarks
-import bha_goal_babbling
+import grimp
 
-_LIBRARIES = ("numpy", "scipy", "numba", "matplotlib", "joblib", "dask", "distributed")
-_NUMERIC = ("python", "numpy", "scipy", "numba")
+_PACKAGES = (
+    "benchmarks",
+    "bha_bringup",
+    "bha_cartesian_feedback",
+    "bha_common",
+    "bha_goal_babbling",
+    "bha_pressure_ctrl",
+    "bha_sim",
+)
+_LIBRARIES = ("numpy", "scipy", "numba", "mujoco", "matplotlib", "joblib", "dask", "distributed")
+_NUMERIC = ("python", "numpy", "scipy", "numba", "mujoco")
 
 
 def versions() -> dict[str, str]:
@@ -20,18 +30,42 @@ def versions() -> dict[str, str]:
 
 
 @cache
-def fingerprint() -> str:
-    """Return what tells these tables and this learner from any others, as 16 hexadecimal digits.
+def fingerprint(module: str) -> str:
+    """Return what tells the code behind a module from any other, as 16 hexadecimal digits.
 
-    It changes with every Python file of the two packages, and with the libraries behind numbers:
+    It changes with the module, with every module of the workspace that it imports directly or
+    indirectly, with the settings (YAML) of their packages, and with the libraries behind numbers:
     a run with another fingerprint may have brought other figures.
+
+    Parameters
+    ----------
+    module : str
+        Name of the module, such as "benchmarks.linear".
     """
+    graph = _imports()
+    behind = {module} | (graph.find_upstream_modules(module) if module in graph.modules else set())
     digest = hashlib.sha256()
-    for package in (benchmarks, bha_goal_babbling):
-        folder = Path(package.__path__[0])
-        for path in sorted(folder.rglob("*.py")):
-            digest.update(f"{package.__name__}/{path.relative_to(folder)}\0".encode())
-            digest.update(path.read_bytes() + b"\0")
+    for name in sorted(behind):
+        digest.update(f"{name}\0".encode() + _source(name).read_bytes() + b"\0")
+    for package in sorted(set(_PACKAGES) & {name.partition(".")[0] for name in behind}):
+        for path in sorted((_source(package).parents[1] / "config").glob("*.yaml")):
+            digest.update(f"{package}/{path.name}\0".encode() + path.read_bytes() + b"\0")
     for name in _NUMERIC:
         digest.update(f"{name}=={versions()[name]}\0".encode())
     return digest.hexdigest()[:16]
+
+
+@cache
+def _imports() -> grimp.ImportGraph:
+    return grimp.build_graph(*_PACKAGES, cache_dir=None)
+
+
+def _source(module: str) -> Path:
+    if module in sys.modules:
+        origin = sys.modules[module].__file__
+    else:
+        spec = importlib.util.find_spec(module)
+        origin = None if spec is None else spec.origin
+    if origin is None:
+        raise ModuleNotFoundError(f"{module} has no source file")
+    return Path(origin).resolve()

@@ -107,7 +107,7 @@ def make_table(experiment: Experiment, order: Order, progress: Progress) -> Resu
         "quick": order.quick,
         "command": order.command(experiment),
         "date": datetime.datetime.now(datetime.UTC).date().isoformat(),
-        "versions": versions() | {"code": fingerprint()},
+        "versions": versions() | {"code": fingerprint(experiment.run.__module__)},
     }
     plain_json.write(order.out / f"{experiment.name}.json", content)
     figure = order.out / f"{experiment.name}.png"
@@ -123,10 +123,11 @@ def _make_runs(
     progress: Progress,
 ) -> list[StoredRun]:
     """Return all runs in the order of seeds and plan, whenever each of them was made."""
-    store = RunStore(order.out / ".runs" / f"{experiment.name}.jsonl", fingerprint())
+    made_with = fingerprint(experiment.run.__module__)
+    store = RunStore(order.out / ".runs" / f"{experiment.name}.jsonl", made_with)
     wanted = [(seed, settings) for seed in seeds for settings in plan]
     jobs = [
-        Job(experiment.run, seed, settings, fingerprint())
+        Job(experiment.run, seed, settings, made_with)
         for seed, settings in wanted
         if store.get(seed, settings) is None
     ]

@@ -131,9 +131,33 @@ def test_runs_of_other_code_are_not_used(
 ) -> None:
     results.make_table(squares([2]), order, silent)
     for module in (results, execution):
-        monkeypatch.setattr(module, "fingerprint", lambda: "another")
+        monkeypatch.setattr(module, "fingerprint", lambda module: "another")
     results.make_table(squares([2]), order, silent)
     assert made == 2 * [(1000, 2), (1001, 2)]
+
+
+@pytest.mark.parametrize(
+    ("edited", "matters"),
+    [
+        ("benchmarks.linear", True),
+        ("bha_goal_babbling.recursive_maps", True),
+        ("benchmarks.drift", False),
+        ("bha_sim.plant", False),
+    ],
+)
+def test_the_code_behind_a_table_is_what_it_imports(
+    edited: str, matters: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = provenance.fingerprint("benchmarks.linear")
+    source = provenance._source(edited)
+    other = tmp_path / source.name
+    other.write_bytes(source.read_bytes() + b"# edited\n")
+    find = provenance._source
+    monkeypatch.setattr(
+        provenance, "_source", lambda module: other if module == edited else find(module)
+    )
+    after = provenance.fingerprint.__wrapped__("benchmarks.linear")
+    assert (after != before) == matters
 
 
 def test_a_line_that_was_cut_off_spoils_no_other(tmp_path: Path) -> None:
@@ -167,7 +191,7 @@ def test_ctrl_c_keeps_what_was_made(tmp_path: Path) -> None:
     output, _ = process.communicate(timeout=60)
     assert process.returncode == 130, output
     assert "are kept" in output
-    store = RunStore(runs, provenance.fingerprint())
+    store = RunStore(runs, provenance.fingerprint("benchmarks.linear"))
     assert store.get(1000, dict(linear.plan(False)[0])) is not None
 
 
@@ -194,7 +218,7 @@ def cluster() -> Iterator[LocalCluster]:
 
 def test_every_way_of_making_runs_brings_the_same(cluster: LocalCluster) -> None:
     """In this process, on two others, and on a Dask cluster."""
-    wanted = jobs(provenance.fingerprint())
+    wanted = jobs(provenance.fingerprint("benchmarks.linear"))
     here = figures(on_this_machine(wanted, 1))
     assert sorted(here) == [0, 1, 2, 3]
     assert here[0] != here[1]
