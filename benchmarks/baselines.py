@@ -29,8 +29,8 @@ from benchmarks.methods.null_space_home import NullSpaceHome
 from benchmarks.methods.reward_weighted import RewardWeightedRegression
 from benchmarks.methods.world import World
 from bha_goal_babbling.babbler_config import GoalBabblerConfig
-from bha_goal_babbling.goal_paths import straight_line
 from bha_goal_babbling.planar_arm import PlanarArm
+from bha_goal_babbling.straight_walk import straight_line
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -15,12 +15,12 @@ import numpy as np
 
 from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary
 from benchmarks.methods.goal_babbling import GoalBabbling
-from benchmarks.methods.sagg_riac import SaggRiacPaths
+from benchmarks.methods.sagg_riac_paths import SaggRiacPaths
 from benchmarks.methods.world import World
 from bha_goal_babbling.arrays import FloatArray
 from bha_goal_babbling.babbler_config import GoalBabblerConfig
 from bha_goal_babbling.goal_paths import GoalPaths
-from bha_goal_babbling.interest_choice import InterestPaths
+from bha_goal_babbling.interest_choice import InterestGoalChoice
 from bha_goal_babbling.planar_arm import PlanarArm
 from bha_goal_babbling.target_source import TargetSource
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 CHOICES: dict[str, Callable[[FloatArray, int, int], TargetSource]] = {
     "random": lambda goals, steps, seed: GoalPaths(goals, steps),
-    "interest": lambda goals, steps, seed: InterestPaths(goals, steps),
+    "interest": lambda goals, steps, seed: GoalPaths(goals, steps, InterestGoalChoice(len(goals))),
     "SAGG-RIAC": lambda goals, steps, seed: SaggRiacPaths(
         goals.min(axis=0), goals.max(axis=0), steps, seed
     ),
