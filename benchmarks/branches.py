@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from benchmarks.compiled_arm import FAST, compiled_babbler, reaching_errors
+from benchmarks.compiled_reaching import compiled_babbler
+from benchmarks.configs import FAST
 from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary
+from benchmarks.reaching import ReachingTask
 from bha_goal_babbling.arrays import FloatArray
-from bha_goal_babbling.planar_arm import PlanarArm
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -42,11 +43,11 @@ def plan(quick: bool) -> Sequence[Settings]:
 
 def run(seed: int, *, joints: int, branch: int, movements: int) -> Figures:
     """Learn from one home."""
-    arm = PlanarArm(joints)
-    babbler = compiled_babbler(arm, FAST, seed, branch=branch)
+    task = ReachingTask(joints, branch)
+    babbler = compiled_babbler(task, FAST, seed)
     babbler.run_movements(movements)
-    postures = babbler.inverse(arm.goal_grid())
-    errors = reaching_errors(arm, postures)
+    postures = babbler.inverse(task.goals)
+    errors = task.errors_of(postures)
     return {
         "mean_error": errors.mean(),
         "median_error": np.median(errors),
@@ -95,8 +96,7 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
     """Draw the postures for the same goals, learned from both homes."""
     shown = sorted({run.settings["joints"] for run in runs})[:2]
     for axes, joints in zip(np.atleast_1d(figure.subplots(1, len(shown))), shown, strict=True):
-        arm = PlanarArm(joints)
-        goals = arm.goal_grid()
+        goals = ReachingTask(joints).goals
         chosen = [
             int(np.argmin(np.linalg.norm(goals - at, axis=1))) for at in ([0.5, 0.4], [0.5, -0.4])
         ]
@@ -111,7 +111,9 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
                     markersize=3,
                     label=f"learned from home {_NAMES[branch]}" if number == 0 else None,
                 )
-            axes.plot(*_links(arm.home(branch=branch)).T, ":", color=_COLOURS[branch])
+            axes.plot(
+                *_links(ReachingTask(joints, branch).home_action).T, ":", color=_COLOURS[branch]
+            )
         axes.plot([], [], ":", color="#444444", label="home")
         axes.plot(*goals[chosen].T, "x", color="black", label="goal")
         axes.set(title=f"{joints} joints", xlabel="x [m]", ylabel="y [m]", aspect="equal")

@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from benchmarks.configs import ARTICLE, FAST
 from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary
 from benchmarks.methods.goal_babbling import GoalBabbling
 from benchmarks.methods.sagg_riac_paths import SaggRiacPaths
 from benchmarks.methods.world import World
+from benchmarks.reaching import ReachingTask
 from bha_goal_babbling.arrays import FloatArray
-from bha_goal_babbling.babbler_config import GoalBabblerConfig
 from bha_goal_babbling.goal_paths import GoalPaths
 from bha_goal_babbling.interest_choice import InterestGoalChoice
-from bha_goal_babbling.planar_arm import PlanarArm
 from bha_goal_babbling.target_source import TargetSource
 
 if TYPE_CHECKING:
@@ -36,12 +36,7 @@ CHOICES: dict[str, Callable[[FloatArray, int, int], TargetSource]] = {
 }
 """Goal choices by name, each made from goals, shape (G, n), steps of a path, and a seed."""
 
-LEARNERS = {
-    "article": GoalBabblerConfig(
-        map_distance=0.1, learning_rate=0.1, noise_spread=0.05, noise_step=0.01
-    ),
-    "fast": GoalBabblerConfig(),
-}
+LEARNERS = {"article": ARTICLE, "fast": FAST}
 """Settings of the learner by name: as in the article, and ours."""
 
 _ARMS = (2, 20, 50)
@@ -67,7 +62,7 @@ def run(seed: int, choice: str, learner: str, joints: int, movements: int) -> Fi
     The error [m] at first and after every movement, and the movements until it was at most a tenth
     of the first; None if it never was.
     """
-    world = World.of_arm(PlanarArm(joints))
+    world = World.of_task(ReachingTask(joints))
     config = LEARNERS[learner]
     targets = CHOICES[choice](world.goals, config.path_steps, seed)
     babbling = GoalBabbling(world, np.random.default_rng(seed), config, targets)

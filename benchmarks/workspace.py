@@ -13,11 +13,12 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import i0e, i1e
 
-from benchmarks.compiled_arm import FAST, LIMIT, compiled_babbler
+from benchmarks.compiled_reaching import compiled_babbler
+from benchmarks.configs import FAST
 from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary
+from benchmarks.reaching import LIMIT, ReachingTask
 from bha_goal_babbling.arrays import FloatArray
 from bha_goal_babbling.direction_sampling import DirectionTargets
-from bha_goal_babbling.planar_arm import PlanarArm
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -45,11 +46,11 @@ def run(seed: int, *, method: str, samples: list[int]) -> Figures:
     dict
         `coverage`: visited cells over cells within reach, an entry a mark.
     """
-    arm = PlanarArm(_JOINTS)
-    babbler = compiled_babbler(arm, _CONFIG, seed, DirectionTargets(_STEP, 2))
+    task = ReachingTask(_JOINTS)
+    babbler = compiled_babbler(task, _CONFIG, seed, DirectionTargets(_STEP, 2))
     rng = np.random.default_rng(seed)
-    within_reach = len(cells_within_reach(arm.length))
-    side = math.ceil(arm.length / _CELL) + 1
+    within_reach = len(cells_within_reach(task.arm.length))
+    side = math.ceil(task.arm.length / _CELL) + 1
     visited = np.zeros((2 * side, 2 * side), dtype=bool)
     coverage, made = [], 0
     for mark in samples:
@@ -58,7 +59,7 @@ def run(seed: int, *, method: str, samples: list[int]) -> Figures:
             if method == _DIRECTIONS:
                 tips = babbler.run(count)
             else:
-                tips = arm.forward(rng.uniform(-LIMIT, LIMIT, (count, _JOINTS)))
+                tips = task.arm.forward(rng.uniform(-LIMIT, LIMIT, (count, _JOINTS)))
             cells = np.floor(tips / _CELL).astype(int) + side
             visited[cells[:, 0], cells[:, 1]] = True
             made += count
