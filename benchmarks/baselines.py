@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.contenders import METHODS
-from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary
+from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary, runs_with
 from benchmarks.method_trial import trial
 from benchmarks.methods.world import World
 from benchmarks.reaching import ReachingTask
@@ -45,7 +45,7 @@ def summarise(runs: Sequence[Run]) -> Summary:
         _row(method, joints, chosen)
         for joints in sorted({run.settings["joints"] for run in runs})
         for method in METHODS
-        if (chosen := _chosen(runs, method, joints))
+        if (chosen := runs_with(runs, method=method, joints=joints))
     ]
     return Summary(rows, _bounds(runs), _NOTE)
 
@@ -56,7 +56,7 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
     axes = figure.subplots(1, len(arms), sharex=True, sharey=True, squeeze=False)[0]
     for axis, joints in zip(axes, arms, strict=True):
         for index, (method, contender) in enumerate(METHODS.items()):
-            chosen = _chosen(runs, method, joints)
+            chosen = runs_with(runs, method=method, joints=joints)
             if not chosen:
                 continue
             counts = np.array(chosen[0].figures["counts"][1:])
@@ -78,12 +78,6 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
     handles, labels = axes[0].get_legend_handles_labels()
     figure.suptitle("What it takes to reach the goals of a planar arm of 1 m")
     figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=8)
-
-
-def _chosen(runs: Sequence[Run], method: str, joints: int) -> list[Run]:
-    return [
-        run for run in runs if run.settings["method"] == method and run.settings["joints"] == joints
-    ]
 
 
 def _median(values: Sequence[float | None]) -> float | None:
@@ -127,11 +121,15 @@ def _bounds(runs: Sequence[Run]) -> list[Bound]:
     joints = max(run.settings["joints"] for run in runs)
     last = max(run.settings["samples"] for run in runs)
     errors = {
-        name: _median([_error_after(run, last) for run in _chosen(runs, name, joints)])
+        name: _median(
+            [_error_after(run, last) for run in runs_with(runs, method=name, joints=joints)]
+        )
         for name in METHODS
     }
     jumps = {
-        name: _median([run.figures["largest_jump"] for run in _chosen(runs, name, joints)])
+        name: _median(
+            [run.figures["largest_jump"] for run in runs_with(runs, method=name, joints=joints)]
+        )
         for name in METHODS
     }
     ours = "goal babbling (fast)"
@@ -165,7 +163,7 @@ def _lead(runs: Sequence[Run], joints: int) -> float | None:
     """Return our fewest samples to 10 % over those of others, medians; 0 if only ours get there."""
     fewest = {True: math.inf, False: math.inf}
     for name, contender in METHODS.items():
-        chosen = _chosen(runs, name, joints)
+        chosen = runs_with(runs, method=name, joints=joints)
         median = _median([run.figures["samples_to_tenth"] for run in chosen])
         if median is not None and not contender.knows_jacobian:
             fewest[contender.ours] = min(fewest[contender.ours], median)

@@ -10,7 +10,7 @@ import numpy as np
 
 from benchmarks.compiled_reaching import compiled_babbler
 from benchmarks.configs import FAST
-from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary
+from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary, runs_with
 from benchmarks.reaching import ReachingTask
 from bha_goal_babbling.arrays import FloatArray
 
@@ -60,7 +60,7 @@ def summarise(runs: Sequence[Run]) -> Summary:
     """Make the table: a row for every arm."""
     rows, on_branch, apart = [], [], []
     for joints in sorted({run.settings["joints"] for run in runs}):
-        up, down = (_of(runs, joints, branch) for branch in (1, -1))
+        up, down = (runs_with(runs, joints=joints, branch=branch) for branch in (1, -1))
         distances = [
             float(np.sqrt(np.mean(np.subtract(a.figures["postures"], b.figures["postures"]) ** 2)))
             for a, b in zip(up, down, strict=True)
@@ -101,7 +101,7 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
             int(np.argmin(np.linalg.norm(goals - at, axis=1))) for at in ([0.5, 0.4], [0.5, -0.4])
         ]
         for branch in (1, -1):
-            first = _of(runs, joints, branch)[0]
+            first = runs_with(runs, joints=joints, branch=branch)[0]
             postures = np.array(first.figures["postures"])
             for number, index in enumerate(chosen):
                 axes.plot(
@@ -125,11 +125,6 @@ def _links(posture: FloatArray) -> FloatArray:
     headings = np.cumsum(posture)
     steps = np.stack([np.cos(headings), np.sin(headings)], axis=1) / len(posture)
     return np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
-
-
-def _of(runs: Sequence[Run], joints: int, branch: int) -> list[Run]:
-    wanted = (joints, branch)
-    return [run for run in runs if (run.settings["joints"], run.settings["branch"]) == wanted]
 
 
 _NOTE = (

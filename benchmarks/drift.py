@@ -15,7 +15,7 @@ import numpy as np
 
 from benchmarks.compiled_reaching import compiled_babbler
 from benchmarks.configs import FAST
-from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary
+from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary, runs_with
 from benchmarks.reaching import ReachingTask
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def summarise(runs: Sequence[Run]) -> Summary:
     """Make the table: a row for every method."""
     rows, drift = [], {}
     for method in _METHODS:
-        members = [run for run in runs if run.settings["method"] == method]
+        members = runs_with(runs, method=method)
         drifts = [run.figures["drifts"][-1] for run in members]
         drift[method] = median(drifts)
         rows.append(
@@ -95,7 +95,7 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
     """Draw drift and error over movements, the median of the seeds and their range."""
     left, right = figure.subplots(1, 2)
     for method, colour in _COLOURS.items():
-        members = [run for run in runs if run.settings["method"] == method]
+        members = runs_with(runs, method=method)
         movements = members[0].figures["movements"]
         for axes, name, scale in ((left, "drifts", 1.0), (right, "errors", 1e3)):
             values = scale * np.array([run.figures[name] for run in members])

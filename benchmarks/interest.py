@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.configs import ARTICLE, FAST
-from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary
+from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary, runs_with
 from benchmarks.methods.goal_babbling import GoalBabbling
 from benchmarks.methods.sagg_riac_paths import SaggRiacPaths
 from benchmarks.methods.world import World
@@ -82,7 +82,7 @@ def summarise(runs: Sequence[Run]) -> Summary:
         for joints in sorted({run.settings["joints"] for run in runs})
         for learner in LEARNERS
         for choice in CHOICES
-        if (chosen := _chosen(runs, joints, learner, choice))
+        if (chosen := runs_with(runs, joints=joints, learner=learner, choice=choice))
     ]
     return Summary(rows, _bounds(runs), _NOTE)
 
@@ -94,7 +94,7 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
     for row, learner in zip(axes, LEARNERS, strict=True):
         for axis, joints in zip(row, arms, strict=True):
             for index, choice in enumerate(CHOICES):
-                chosen = _chosen(runs, joints, learner, choice)
+                chosen = runs_with(runs, joints=joints, learner=learner, choice=choice)
                 if not chosen:
                     continue
                 errors = 1e3 * np.array([run.figures["errors"] for run in chosen])
@@ -113,11 +113,6 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
     figure.suptitle(
         "Goal choice: median and quartiles over seeds; the grey line is 10 % of the first error"
     )
-
-
-def _chosen(runs: Sequence[Run], joints: int, learner: str, choice: str) -> list[Run]:
-    wanted = {"joints": joints, "learner": learner, "choice": choice}
-    return [run for run in runs if wanted.items() <= run.settings.items()]
 
 
 def _quantile(runs: Sequence[Run], share: float) -> float | None:
@@ -166,8 +161,8 @@ def _mean_ratio(runs: Sequence[Run], learner: str) -> float | None:
     """Return interest over random, medians; None if one of them never gets there on some arm."""
     logarithms = []
     for joints in {run.settings["joints"] for run in runs}:
-        chosen = _quantile(_chosen(runs, joints, learner, "interest"), 0.5)
-        random = _quantile(_chosen(runs, joints, learner, "random"), 0.5)
+        chosen = _quantile(runs_with(runs, joints=joints, learner=learner, choice="interest"), 0.5)
+        random = _quantile(runs_with(runs, joints=joints, learner=learner, choice="random"), 0.5)
         if chosen is None or random is None:
             return None
         logarithms.append(math.log(chosen / random))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary
+from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary, runs_with
 from benchmarks.linear_babbling import OUTCOMES, learn, target_variance
 from benchmarks.linear_theory import ignition_curve, inner_products
 from bha_goal_babbling.arrays import FloatArray
@@ -49,11 +49,13 @@ def run(seed: int, *, part: str, **settings: Any) -> Figures:
 
 def summarise(runs: Sequence[Run]) -> Summary:
     """Make the table."""
-    products = [p for run in _of(runs, "gradients") for p in run.figures["inner_products"]]
-    cosines = [c for run in _of(runs, "gradients") for c in run.figures["cosines"]]
-    distances = [run.figures["distances"][-1] for run in _of(runs, "end")]
-    unreached = [run.figures["unreached"][-1] for run in _of(runs, "end")]
-    asked = sum(_of(runs, "end")[0].settings["samples"])
+    products = [
+        p for run in runs_with(runs, part="gradients") for p in run.figures["inner_products"]
+    ]
+    cosines = [c for run in runs_with(runs, part="gradients") for c in run.figures["cosines"]]
+    distances = [run.figures["distances"][-1] for run in runs_with(runs, part="end")]
+    unreached = [run.figures["unreached"][-1] for run in runs_with(runs, part="end")]
+    asked = sum(runs_with(runs, part="end")[0].settings["samples"])
     smallest, farthest = min(products), max(distances)
     long_enough = asked >= sum(_TO_THE_END["samples"])
     rows = [
@@ -100,7 +102,7 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
         title="Ignition, growth, saturation",
     )
     left.legend(fontsize="small")
-    for number, run in enumerate(_of(runs, "end")):
+    for number, run in enumerate(runs_with(runs, part="end")):
         label = "one problem each" if number == 0 else None
         right.loglog(
             run.figures["samples"],
@@ -123,14 +125,10 @@ def _row(what: str, expected: float | None, measured: float) -> dict[str, Any]:
     return {"what": what, "theory": expected, "ours": measured}
 
 
-def _of(runs: Sequence[Run], part: str) -> list[Run]:
-    return [run for run in runs if run.settings["part"] == part]
-
-
 def _ignitions(runs: Sequence[Run]) -> dict[tuple[float, float], list[Run]]:
     """Return the runs by learning rate and noise."""
     found: dict[tuple[float, float], list[Run]] = {}
-    for run in _of(runs, "ignition"):
+    for run in runs_with(runs, part="ignition"):
         found.setdefault((run.settings["rate"], run.settings["spread"]), []).append(run)
     return found
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from benchmarks.compiled_reaching import compiled_babbler
 from benchmarks.configs import FAST
-from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary
+from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary, runs_with
 from benchmarks.reaching import LIMIT, ReachingTask
 from bha_goal_babbling.local_linear_map import LocalLinearMaps
 
@@ -110,7 +110,10 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
         np.atleast_1d(figure.subplots(1, len(arms), sharey=True)), arms, strict=True
     ):
         errors = [
-            1e3 * np.concatenate([run.figures["errors"] for run in _of(runs, joints, method)])
+            1e3
+            * np.concatenate(
+                [run.figures["errors"] for run in runs_with(runs, joints=joints, method=method)]
+            )
             for method in methods
         ]
         axes.boxplot(errors, orientation="horizontal", whis=(5, 95), showfliers=False)
@@ -119,14 +122,11 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
         axes.invert_yaxis()
 
 
-def _of(runs: Sequence[Run], joints: int, method: str) -> list[Run]:
-    wanted = (joints, method)
-    return [run for run in runs if (run.settings["joints"], run.settings["method"]) == wanted]
-
-
 def _errors(runs: Sequence[Run], joints: int, method: str) -> list[float]:
     """Return the mean error of every seed [mm]."""
-    return [1e3 * run.figures["mean_error"] for run in _of(runs, joints, method)]
+    return [
+        1e3 * run.figures["mean_error"] for run in runs_with(runs, joints=joints, method=method)
+    ]
 
 
 _NOTE = (

@@ -11,7 +11,7 @@ import numpy as np
 
 from benchmarks.compiled_reaching import compiled_babbler
 from benchmarks.configs import ARTICLE, FAST, RLS
-from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary
+from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary, runs_with
 from benchmarks.reaching import ReachingTask
 from bha_goal_babbling.arrays import FloatArray
 from bha_goal_babbling.goal_babbler import GoalBabbler
@@ -45,8 +45,9 @@ def run(seed: int, *, method: str, movements: list[int]) -> Figures:
         `roughness` of the postures [rad].
     """
     task, config = ReachingTask(_JOINTS), _CONFIGS[method]
-    # No loop in machine code knows RLS goal babbling.
-    babbler = task.babbler(config, seed) if config is RLS else compiled_babbler(task, config, seed)
+    # The loop in machine code knows local linear maps only.
+    compiled = config.model == "local_linear_maps"
+    babbler = compiled_babbler(task, config, seed) if compiled else task.babbler(config, seed)
     figures: dict[str, list[float]] = {"mean": [], "median": [], "worst": [], "roughness": []}
     for mark in movements:
         samples = _STEPS * mark - babbler.samples
@@ -81,7 +82,7 @@ def summarise(runs: Sequence[Run]) -> Summary:
     """Make the table: a row for every method and number of movements."""
     rows: list[dict[str, Any]] = []
     for method in _CONFIGS:
-        members = [made for made in runs if made.settings["method"] == method]
+        members = runs_with(runs, method=method)
         for index, mark in enumerate(members[0].settings["movements"] if members else []):
             row: dict[str, Any] = {"method": method, "movements": mark, "samples": _STEPS * mark}
             for name in ("mean", "median", "worst"):
@@ -113,7 +114,7 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
     """Draw error and roughness over movements, the median of the seeds and their range."""
     left, right = figure.subplots(1, 2)
     for method in _CONFIGS:
-        members = [made for made in runs if made.settings["method"] == method]
+        members = runs_with(runs, method=method)
         if not members:
             continue
         movements = members[0].settings["movements"]

@@ -15,7 +15,7 @@ from scipy.special import i0e, i1e
 
 from benchmarks.compiled_reaching import compiled_babbler
 from benchmarks.configs import FAST
-from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary
+from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary, runs_with
 from benchmarks.reaching import LIMIT, ReachingTask
 from bha_goal_babbling.arrays import FloatArray
 from bha_goal_babbling.direction_sampling import DirectionTargets
@@ -133,7 +133,7 @@ def summarise(runs: Sequence[Run]) -> Summary:
     """Make the table: a row for every method and number of samples."""
     rows, coverage = [], {}
     for method in (_DIRECTIONS, _RANDOM):
-        members = [made for made in runs if made.settings["method"] == method]
+        members = runs_with(runs, method=method)
         for index, mark in enumerate(members[0].settings["samples"] if members else []):
             values = [made.figures["coverage"][index] for made in members]
             coverage[method, mark] = median(values)
@@ -172,7 +172,7 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
     """Draw coverage over samples, and what random motor babbling would need for more."""
     axes = figure.subplots()
     for method in (_DIRECTIONS, _RANDOM):
-        members = [made for made in runs if made.settings["method"] == method]
+        members = runs_with(runs, method=method)
         if members:
             values = np.median([made.figures["coverage"] for made in members], axis=0)
             axes.semilogx(members[0].settings["samples"], values, "o-", label=method)
