@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from benchmarks import compiled_arm
+from benchmarks.configs import FAST
 from benchmarks.speed.learners import (
-    ARM,
     SMALL,
+    TASK,
     compiled_babbler,
     in_proportion,
-    numpy_babbler,
     with_maps,
 )
 from bha_goal_babbling.babbler_config import GoalBabblerConfig
@@ -26,12 +25,12 @@ SAMPLES = 20_000
 
 def test_numpy(benchmark: BenchmarkFixture) -> None:
     """A hundred samples of the reference, after the first thousand."""
-    babbler = numpy_babbler(0)
+    babbler = TASK.babbler(FAST, 0)
 
     def run(samples: int) -> None:
         for _ in range(samples):
             action = babbler.ask()
-            babbler.tell(action, ARM.forward(action))
+            babbler.tell(action, TASK.arm.forward(action))
 
     run(1000)
     benchmark(run, 100)
@@ -80,7 +79,7 @@ def test_cost_of_many_maps(case: str) -> None:
     With the usual paths a step passes five of the small maps, so that each looks for others in
     memory: then a limit of 1.3 holds only where nobody else uses the caches, and is not asked for.
     """
-    few, many = seasoned(compiled_arm.FAST, 0), seasoned(CASES[case], 10_000)
+    few, many = seasoned(FAST, 0), seasoned(CASES[case], 10_000)
     times = np.empty((40, 2))
     for row in times:
         for column, babbler in enumerate((few, many)):
