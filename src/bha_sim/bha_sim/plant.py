@@ -4,7 +4,7 @@
     state = plant.step(np.full(9, 5e4))
 
 The same parameters, seed and pressures give the same bits: in one process or in several, after
-`reset`, and after `restore_state`.
+`reset`, and after `restore_state`. What goes wrong with the robot is told it by `disturb`.
 """
 
 from __future__ import annotations
@@ -15,6 +15,8 @@ import mujoco
 import numpy as np
 
 from bha_common import bellows
+from bha_sim.disturbances import Disturbances
+from bha_sim.disturbed_model import DisturbedModel
 from bha_sim.errors import PlantDivergedError
 from bha_sim.mujoco_model import build_model
 from bha_sim.parameter_checks import Array
@@ -64,6 +66,7 @@ class Plant:
         )
         trunk = build_model(parameters, self._visco.stiffness_factors, control_period / steps)
         self._model, self._data = trunk.model, mujoco.MjData(trunk.model)
+        self._disturbances, self._disturbed = Disturbances(), DisturbedModel(trunk)
         # Views into MuJoCo's own memory: read and written every tick without a look-up.
         self._extensions = self._data.ten_length[trunk.pieces]
         self._lengths = self._data.ten_length[trunk.bellows]
@@ -91,6 +94,21 @@ class Plant:
     def state(self) -> PlantState:
         """The state after the last step, or before the first: vented and at rest."""
         return self._state
+
+    @property
+    def disturbances(self) -> Disturbances:
+        """What is wrong with the robot now."""
+        return self._disturbances
+
+    def disturb(self, disturbances: Disturbances) -> None:
+        """Let something go wrong from the next step on, instead of what was wrong before.
+
+        ``Disturbances()`` takes everything back. It holds through `reset`, and until then; a
+        snapshot brings back those that held when it was taken.
+        """
+        self._pneumatics.disturb(disturbances)
+        self._potentiometers.disturb(disturbances)
+        self._disturb_mechanics(disturbances)
 
     def step(self, pressures: Array) -> PlantState:
         """Apply pressures for one control period.
@@ -125,6 +143,9 @@ class Plant:
     def reset(self, seed: int | None = None) -> PlantState:
         """Start anew: vented, at rest, without memory.
 
+        What was wrong with the robot stays wrong: it hangs as the sound one does at rest, and its
+        disturbances act from the next step on; a drift begins at 0, a stuck valve is stuck vented.
+
         Parameters
         ----------
         seed : Seeds the noise; None takes the same seed again.
@@ -152,10 +173,12 @@ class Plant:
             potentiometers=self._potentiometers.state,
             state=self._state,
             seed=self._seed,
+            disturbances=self._disturbances,
         )
 
     def restore_state(self, snapshot: PlantSnapshot) -> PlantState:
         """Go back to a snapshot of a plant with the same parameters and control period."""
+        self.disturb(snapshot.disturbances)
         self._load_mechanics(snapshot.mechanics)
         self._visco.state = snapshot.viscoelastic
         self._centres[:] = snapshot.centres
@@ -165,6 +188,12 @@ class Plant:
         self._seed = snapshot.seed
         self._state = snapshot.state
         return self._state
+
+    def _disturb_mechanics(self, disturbances: Disturbances) -> None:
+        self._disturbances = disturbances
+        if self._disturbed.apply(disturbances):
+            # The mass matrix of the next step is computed already: again, with the new mass.
+            mujoco.mj_step1(self._model, self._data)
 
     def _integrate(self, steps: int) -> None:
         """Advance the mechanics; positions and velocities are evaluated at the end, and stay so."""
