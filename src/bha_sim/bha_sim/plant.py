@@ -17,7 +17,8 @@ import numpy as np
 from bha_common import bellows
 from bha_sim.disturbances import Disturbances
 from bha_sim.disturbed_model import DisturbedModel
-from bha_sim.errors import PlantDivergedError
+from bha_sim.divergence import why_diverged
+from bha_sim.errors import PlantDivergedError, RobotParameterError
 from bha_sim.mujoco_model import build_model
 from bha_sim.parameter_checks import Array
 from bha_sim.plant_state import PlantSnapshot, PlantState
@@ -45,6 +46,8 @@ class Plant:
     ------
     ValueError
         When the control period is not positive.
+    RobotParameterError
+        When a robot of these parameters does not hang at rest.
     """
 
     def __init__(
@@ -76,6 +79,8 @@ class Plant:
         self._tip_quaternion = self._data.xquat[trunk.tip_body]
         self._centres = np.zeros(len(self._extensions))
         self._centre_column = self._centres[:, None]
+        self._ticks = 0
+        self._diverged = ""
         self._come_to_rest()
         self._rest = np.empty(mujoco.mj_stateSize(self._model, _STATE))
         mujoco.mj_getState(self._model, self._data, self._rest, _STATE)
@@ -86,8 +91,6 @@ class Plant:
         self._potentiometers = Potentiometers(
             parameters.potentiometers, control_period, sensor_seed, self._lengths
         )
-        self._ticks = 0
-        self._diverged = ""
         self._state = self._observe()
 
     @property
@@ -212,12 +215,15 @@ class Plant:
         for _ in range(math.ceil(_REST_TIME / self.control_period)):
             self._visco.relax(self._extensions, self._centres)
             self._integrate(self._steps)
-            self._guard()
+            if np.count_nonzero(self._data.warning.number):
+                reason = why_diverged(self._model, self._data)
+                raise RobotParameterError(f"the vented trunk does not hang at rest: {reason}")
             if np.abs(self._data.qvel).max() < _REST_SPEED:
                 break
         else:
-            raise PlantDivergedError(
-                f"the vented trunk does not come to rest within {_REST_TIME:g} s"
+            raise RobotParameterError(
+                f"the vented trunk still moves after {_REST_TIME:g} s: trunk.damping_time "
+                f"({self.parameters.trunk.damping_time:g} s) is too small or too large"
             )
         self._data.qvel[:] = 0.0
         self._data.time = 0.0
@@ -233,24 +239,12 @@ class Plant:
 
     def _guard(self) -> None:
         """Stop with a reason when MuJoCo warned; it checks all positions and velocities itself."""
-        data = self._data
-        if not np.count_nonzero(data.warning.number):
-            return
-        bad = np.flatnonzero(~(np.isfinite(data.qpos) & np.isfinite(data.qvel)))
-        names = [self._model.joint(int(index)).name for index in bad[:3]]
-        if len(bad) > len(names):
-            names.append(f"and {len(bad) - len(names)} more")
-        warnings = [
-            mujoco.mjtWarning(index).name
-            for index, warning in enumerate(data.warning)
-            if warning.number
-        ]
-        self._diverged = (
-            f"the plant diverged at {self._ticks * self.control_period:.2f} s: "
-            f"joints not finite: {', '.join(names) or 'none'}; "
-            f"MuJoCo warnings: {', '.join(warnings) or 'none'}"
-        )
-        raise PlantDivergedError(self._diverged)
+        if np.count_nonzero(self._data.warning.number):
+            reason = why_diverged(self._model, self._data)
+            self._diverged = (
+                f"the plant diverged at {self._ticks * self.control_period:.2f} s: {reason}"
+            )
+            raise PlantDivergedError(self._diverged)
 
     def _observe(self) -> PlantState:
         # One block for all arrays: made read-only once, shared by five views.
