@@ -62,6 +62,12 @@ class Bound:
         """Measured must not be below the limit."""
         return cls(what, f">= {limit:g}", measured, measured is not None and measured >= limit)
 
+    @classmethod
+    def within(cls, what: str, low: float, high: float, measured: float | None) -> Bound:
+        """Measured must lie between two limits."""
+        holds = measured is not None and low <= measured <= high
+        return cls(what, f"{low:g} to {high:g}", measured, holds)
+
 
 @dataclass(frozen=True)
 class Summary:

@@ -17,6 +17,7 @@ NAMES = (
     "workspace",
     "interest",
     "baselines",
+    "bha-plant",
 )
 """In the order of `list`; the table NAME is the module benchmarks.NAME, dashes as underscores."""
 

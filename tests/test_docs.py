@@ -116,7 +116,8 @@ def declared(module: ModuleType) -> Parameters:
     for call in calls(module, "declare_settings"):
         assert isinstance(call.args[1], ast.Name)
         prefix = ast.literal_eval(call.args[2]) if len(call.args) > 2 else ""
-        declare_settings(parameters, getattr(module, call.args[1].id), prefix)  # type: ignore
+        settings = getattr(module, call.args[1].id)
+        declare_settings(parameters, settings, prefix)  # type: ignore[arg-type]
     return parameters
 
 
@@ -159,6 +160,8 @@ def test_parameters_are_those_that_the_node_declares(node: str) -> None:
             assert default == str(value).lower(), name
         elif isinstance(value, str):
             assert default == value, name
+        elif isinstance(value, list):
+            assert default == f"{len(value)} x {str(value[0]).lower()}", name
         else:
             assert float(default) == value, name
         assert unit == expected.unit[name], name

@@ -20,6 +20,7 @@ from rich.table import Table
 from bha_bringup.demo import run_demo
 from bha_bringup.demo_record import DemoRecord
 from bha_bringup.demo_settings import DemoSettings
+from bha_bringup.disturbing import as_parameters, read_disturbances
 from bha_bringup.graph import GraphSettings, describe_graph
 from bha_bringup.graph_lock import owning_graph, stop_owner
 from bha_bringup.graph_processes import GraphError, GraphProcesses
@@ -27,6 +28,7 @@ from bha_bringup.report import error_table, write_report
 from bha_bringup.robot_client import (
     CONTROLLER,
     LEARNER,
+    SIMULATOR,
     RobotClient,
     RobotError,
     refuse_second_graph,
@@ -169,6 +171,23 @@ def reach(x: Point, y: Point, z: Point, feedback: Feedback = False) -> None:
         f"{result.message} after {result.duration:.1f} s: tip at {tip} m, "
         f"{result.error * 1e3:.1f} mm from the goal"
     )
+
+
+@app.command()
+def disturb(
+    what: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Argument(help="payload=0.2, leak.bellows_2_1=0.3, ...; nothing: all is sound."),
+    ] = None,
+) -> None:
+    """Let something go wrong with the simulated robot, instead of what was wrong before."""
+    try:
+        disturbances = read_disturbances(what or [])
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
+    with RobotClient() as robot:
+        robot.set_parameters(SIMULATOR, as_parameters(disturbances))
+    console.print(f"disturbances: {disturbances}", markup=False)
 
 
 @app.command()

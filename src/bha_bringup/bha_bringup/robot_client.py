@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Any
@@ -16,10 +16,12 @@ from bha_interfaces.srv import LoadModel, Reset, SaveModel, SetGoal
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
 from numpy.typing import NDArray
+from rcl_interfaces.srv import SetParametersAtomically
 from rclpy import init, ok, try_shutdown
 from rclpy.action import ActionClient
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
@@ -247,6 +249,26 @@ class RobotClient:
         """Put a fresh robot in the place of the simulated one."""
         request = Reset.Request(use_seed=seed is not None, seed=seed or 0)
         return self._success(SIMULATOR, self.call(Reset, f"{SIMULATOR}/reset", request))
+
+    def set_parameters(self, node: str, values: Mapping[str, Any]) -> None:
+        """Set parameters of a node, all of them or none.
+
+        Raises
+        ------
+        RobotError
+            When the node refuses, with its reason.
+        """
+        parameters = [
+            Parameter(name, value=list(value) if isinstance(value, tuple) else value)
+            for name, value in values.items()
+        ]
+        request = SetParametersAtomically.Request(
+            parameters=[parameter.to_parameter_msg() for parameter in parameters]
+        )
+        name = f"{node}/set_parameters_atomically"
+        result = self.call(SetParametersAtomically, name, request).result
+        if not result.successful:
+            raise RobotError(f"{node}: {result.reason}")
 
     def emergency_stop(self) -> str:
         """Stop the robot; it stays in its safe state until `emergency_stop_reset`."""

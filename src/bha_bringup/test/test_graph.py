@@ -49,6 +49,7 @@ def declared(node: NodeDescription) -> dict[str, Any]:
             continue
         name = call.args[1]
         assert isinstance(name, ast.Name)
+        prefix = ast.literal_eval(call.args[2]) if len(call.args) > 2 else ""
         if name.id in classes:
             for field in classes[name.id].body:
                 if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name):
@@ -56,7 +57,7 @@ def declared(node: NodeDescription) -> dict[str, Any]:
                     found[field.target.id] = ast.literal_eval(field.value.args[0])
         else:
             settings = getattr(importlib.import_module(homes[name.id]), name.id)
-            found.update(flat(dataclasses.asdict(settings())))
+            found.update(flat(dataclasses.asdict(settings()), prefix))
     assert found
     return found
 

@@ -24,7 +24,8 @@ def setting(
 
     Parameters
     ----------
-    default : The value when none is given; its type is the type of the setting.
+    default : The value when none is given; its type is the type of the setting. A tuple stands for
+        a list, each entry of which is within the range.
     description : One sentence with the unit in brackets.
     low, high : Smallest and largest valid value, for numbers.
     choices : The valid values, for text.
@@ -55,11 +56,12 @@ def check_settings(settings: Any) -> None:
         choices = field.metadata["choices"]
         if choices and value not in choices:
             raise ValueError(f"{owner}.{field.name} is {value!r}; valid are {', '.join(choices)}")
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            continue
         low, high = field.metadata["low"], field.metadata["high"]
-        if not (math.isfinite(value) and low <= value <= high):
-            raise ValueError(
-                f"{owner}.{field.name} is {value}; valid is {low} to {high}: "
-                f"{field.metadata['description']}"
-            )
+        for one in value if isinstance(value, tuple) else (value,):
+            if isinstance(one, bool) or not isinstance(one, int | float):
+                continue
+            if not (math.isfinite(one) and low <= one <= high):
+                raise ValueError(
+                    f"{owner}.{field.name} {'holds' if isinstance(value, tuple) else 'is'} {one}; "
+                    f"valid is {low} to {high}: {field.metadata['description']}"
+                )

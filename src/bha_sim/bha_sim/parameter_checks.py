@@ -38,6 +38,8 @@ class Section:
     ) -> None:
         """Make a field a read-only array of `shape` with all entries above, or at least, `low`."""
         try:
+            if np.asarray(getattr(self, field)).dtype == np.bool_:
+                self._fail(field, "numbers")
             array = np.array(getattr(self, field), dtype=np.float64)
         except (TypeError, ValueError):
             self._fail(field, f"numbers of shape {shape}")

@@ -184,6 +184,8 @@ class PneumaticParameters(Section):
         self._array("vent_time_constant", (_COUNT,))
         for field in ("regulator_play", "sensor_noise", "sensor_resolution"):
             self._number(field, above=False)
+        if self.regulator_play >= self.max_pressure:
+            self._fail("regulator_play", f"below max_pressure, {self.max_pressure:g}")
 
 
 @dataclass(frozen=True, eq=False)

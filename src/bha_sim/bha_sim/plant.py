@@ -4,7 +4,7 @@
     state = plant.step(np.full(9, 5e4))
 
 The same parameters, seed and pressures give the same bits: in one process or in several, after
-`reset`, and after `restore_state`.
+`reset`, and after `restore_state`. What goes wrong with the robot is told it by `disturb`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,10 @@ import mujoco
 import numpy as np
 
 from bha_common import bellows
-from bha_sim.errors import PlantDivergedError
+from bha_sim.disturbances import Disturbances
+from bha_sim.disturbed_model import DisturbedModel
+from bha_sim.divergence import why_diverged
+from bha_sim.errors import PlantDivergedError, RobotParameterError
 from bha_sim.mujoco_model import build_model
 from bha_sim.parameter_checks import Array
 from bha_sim.plant_state import PlantSnapshot, PlantState
@@ -43,6 +46,8 @@ class Plant:
     ------
     ValueError
         When the control period is not positive.
+    RobotParameterError
+        When a robot of these parameters does not hang at rest.
     """
 
     def __init__(
@@ -64,6 +69,7 @@ class Plant:
         )
         trunk = build_model(parameters, self._visco.stiffness_factors, control_period / steps)
         self._model, self._data = trunk.model, mujoco.MjData(trunk.model)
+        self._disturbances, self._disturbed = Disturbances(), DisturbedModel(trunk)
         # Views into MuJoCo's own memory: read and written every tick without a look-up.
         self._extensions = self._data.ten_length[trunk.pieces]
         self._lengths = self._data.ten_length[trunk.bellows]
@@ -73,6 +79,8 @@ class Plant:
         self._tip_quaternion = self._data.xquat[trunk.tip_body]
         self._centres = np.zeros(len(self._extensions))
         self._centre_column = self._centres[:, None]
+        self._ticks = 0
+        self._diverged = ""
         self._come_to_rest()
         self._rest = np.empty(mujoco.mj_stateSize(self._model, _STATE))
         mujoco.mj_getState(self._model, self._data, self._rest, _STATE)
@@ -83,14 +91,27 @@ class Plant:
         self._potentiometers = Potentiometers(
             parameters.potentiometers, control_period, sensor_seed, self._lengths
         )
-        self._ticks = 0
-        self._diverged = ""
         self._state = self._observe()
 
     @property
     def state(self) -> PlantState:
         """The state after the last step, or before the first: vented and at rest."""
         return self._state
+
+    @property
+    def disturbances(self) -> Disturbances:
+        """What is wrong with the robot now."""
+        return self._disturbances
+
+    def disturb(self, disturbances: Disturbances) -> None:
+        """Let something go wrong from the next step on, instead of what was wrong before.
+
+        ``Disturbances()`` takes everything back. It holds through `reset`, and until then; a
+        snapshot brings back those that held when it was taken.
+        """
+        self._pneumatics.disturb(disturbances)
+        self._potentiometers.disturb(disturbances)
+        self._disturb_mechanics(disturbances)
 
     def step(self, pressures: Array) -> PlantState:
         """Apply pressures for one control period.
@@ -125,6 +146,9 @@ class Plant:
     def reset(self, seed: int | None = None) -> PlantState:
         """Start anew: vented, at rest, without memory.
 
+        What was wrong with the robot stays wrong: it hangs as the sound one does at rest, and its
+        disturbances act from the next step on; a drift begins at 0, a stuck valve is stuck vented.
+
         Parameters
         ----------
         seed : Seeds the noise; None takes the same seed again.
@@ -152,10 +176,12 @@ class Plant:
             potentiometers=self._potentiometers.state,
             state=self._state,
             seed=self._seed,
+            disturbances=self._disturbances,
         )
 
     def restore_state(self, snapshot: PlantSnapshot) -> PlantState:
         """Go back to a snapshot of a plant with the same parameters and control period."""
+        self.disturb(snapshot.disturbances)
         self._load_mechanics(snapshot.mechanics)
         self._visco.state = snapshot.viscoelastic
         self._centres[:] = snapshot.centres
@@ -165,6 +191,12 @@ class Plant:
         self._seed = snapshot.seed
         self._state = snapshot.state
         return self._state
+
+    def _disturb_mechanics(self, disturbances: Disturbances) -> None:
+        self._disturbances = disturbances
+        if self._disturbed.apply(disturbances):
+            # The mass matrix of the next step is computed already: again, with the new mass.
+            mujoco.mj_step1(self._model, self._data)
 
     def _integrate(self, steps: int) -> None:
         """Advance the mechanics; positions and velocities are evaluated at the end, and stay so."""
@@ -183,12 +215,15 @@ class Plant:
         for _ in range(math.ceil(_REST_TIME / self.control_period)):
             self._visco.relax(self._extensions, self._centres)
             self._integrate(self._steps)
-            self._guard()
+            if np.count_nonzero(self._data.warning.number):
+                reason = why_diverged(self._model, self._data)
+                raise RobotParameterError(f"the vented trunk does not hang at rest: {reason}")
             if np.abs(self._data.qvel).max() < _REST_SPEED:
                 break
         else:
-            raise PlantDivergedError(
-                f"the vented trunk does not come to rest within {_REST_TIME:g} s"
+            raise RobotParameterError(
+                f"the vented trunk still moves after {_REST_TIME:g} s: trunk.damping_time "
+                f"({self.parameters.trunk.damping_time:g} s) is too small or too large"
             )
         self._data.qvel[:] = 0.0
         self._data.time = 0.0
@@ -204,24 +239,12 @@ class Plant:
 
     def _guard(self) -> None:
         """Stop with a reason when MuJoCo warned; it checks all positions and velocities itself."""
-        data = self._data
-        if not np.count_nonzero(data.warning.number):
-            return
-        bad = np.flatnonzero(~(np.isfinite(data.qpos) & np.isfinite(data.qvel)))
-        names = [self._model.joint(int(index)).name for index in bad[:3]]
-        if len(bad) > len(names):
-            names.append(f"and {len(bad) - len(names)} more")
-        warnings = [
-            mujoco.mjtWarning(index).name
-            for index, warning in enumerate(data.warning)
-            if warning.number
-        ]
-        self._diverged = (
-            f"the plant diverged at {self._ticks * self.control_period:.2f} s: "
-            f"joints not finite: {', '.join(names) or 'none'}; "
-            f"MuJoCo warnings: {', '.join(warnings) or 'none'}"
-        )
-        raise PlantDivergedError(self._diverged)
+        if np.count_nonzero(self._data.warning.number):
+            reason = why_diverged(self._model, self._data)
+            self._diverged = (
+                f"the plant diverged at {self._ticks * self.control_period:.2f} s: {reason}"
+            )
+            raise PlantDivergedError(self._diverged)
 
     def _observe(self) -> PlantState:
         # One block for all arrays: made read-only once, shared by five views.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from bha_sim.disturbances import Disturbances
 from bha_sim.parameter_checks import Array
 from bha_sim.pneumatics import PneumaticState
 from bha_sim.potentiometers import PotentiometerState
@@ -43,3 +44,4 @@ class PlantSnapshot:
     potentiometers: PotentiometerState
     state: PlantState
     seed: int
+    disturbances: Disturbances

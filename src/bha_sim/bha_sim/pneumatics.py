@@ -3,6 +3,9 @@
 A command waits for the dead time, meets the play of the regulator (a backlash: the set-point
 follows only when the command leaves the play), and fills or vents the bellows through a first-order
 lag: p <- s + (p - s) exp(-dt/tau), exact for a set-point s that holds during the period.
+
+A leak to the atmosphere with c times the conductance of the valve makes that
+p <- s/(1 + c) + (p - s/(1 + c)) exp(-(1 + c) dt/tau).
 """
 
 from __future__ import annotations
@@ -12,9 +15,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bha_common import bellows
 from bha_sim.compiled import compiled
+from bha_sim.disturbances import Disturbances
 from bha_sim.parameter_checks import Array
 from bha_sim.parameter_sections import PneumaticParameters
 
@@ -43,8 +48,8 @@ class Pneumatics:
     def __init__(
         self, parameters: PneumaticParameters, period: float, seed: np.random.SeedSequence
     ) -> None:
-        self._fill = -np.expm1(-period / parameters.fill_time_constant)
-        self._vent = -np.expm1(-period / parameters.vent_time_constant)
+        self._parameters, self._period = parameters, period
+        self.disturb(Disturbances())
         self._half_play = 0.5 * parameters.regulator_play
         self._noise = parameters.sensor_noise
         self._resolution = parameters.sensor_resolution
@@ -61,6 +66,16 @@ class Pneumatics:
         self._setpoints[:] = 0.0
         self.pressures[:] = 0.0
         self._rng = np.random.default_rng(seed)
+
+    def disturb(self, disturbances: Disturbances) -> None:
+        """Take on leaks, lost ranges and stuck valves, from the next period on."""
+        top, period = self._parameters.max_pressure, self._period
+        self._outflow = 1.0 + np.array(disturbances.leak)
+        self._fill = -np.expm1(-period * self._outflow / self._parameters.fill_time_constant)
+        self._vent = -np.expm1(-period * self._outflow / self._parameters.vent_time_constant)
+        self._lowest = top * np.array(disturbances.range_lost_below)
+        self._highest = top * (1.0 - np.array(disturbances.range_lost_above))
+        self._stuck = np.array(disturbances.stuck_valves)
 
     def step(self, command: Array) -> Array:
         """Advance by one period.
@@ -80,6 +95,10 @@ class Pneumatics:
             self._half_play,
             self._fill,
             self._vent,
+            self._outflow,
+            self._lowest,
+            self._highest,
+            self._stuck,
             self._setpoints,
             self.pressures,
         )
@@ -123,6 +142,10 @@ def _advance(
     half_play: float,
     fill: Array,
     vent: Array,
+    outflow: Array,
+    lowest: Array,
+    highest: Array,
+    stuck: NDArray[np.bool_],
     setpoints: Array,
     pressures: Array,
 ) -> int:
@@ -132,13 +155,14 @@ def _advance(
         if len(waiting) > 0:
             arrived = waiting[oldest, index]
             waiting[oldest, index] = command[index]
-        setpoint = min(max(setpoints[index], arrived - half_play), arrived + half_play)
-        if arrived <= 0.0:
-            # A regulator does not stay short of the end of its range: at zero it vents fully.
-            setpoint = 0.0
-        setpoints[index] = setpoint
-        gap = setpoint - pressures[index]
-        pressures[index] += gap * (fill[index] if gap > 0.0 else vent[index])
+        if not stuck[index]:
+            setpoint = min(max(setpoints[index], arrived - half_play), arrived + half_play)
+            if arrived <= 0.0:
+                # A regulator does not stay short of the end of its range: at zero it vents fully.
+                setpoint = 0.0
+            setpoints[index] = min(max(setpoint, lowest[index]), highest[index])
+        rate = fill[index] if setpoints[index] > pressures[index] else vent[index]
+        pressures[index] += (setpoints[index] / outflow[index] - pressures[index]) * rate
     return (oldest + 1) % len(waiting) if len(waiting) > 0 else 0
 
 

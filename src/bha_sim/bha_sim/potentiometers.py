@@ -16,6 +16,7 @@ import numpy as np
 
 from bha_common import bellows
 from bha_sim.compiled import compiled
+from bha_sim.disturbances import Disturbances
 from bha_sim.parameter_checks import Array
 from bha_sim.parameter_sections import PotentiometerParameters
 
@@ -26,6 +27,7 @@ class PotentiometerState:
 
     cables: Array
     drift: Array
+    departures: Array
     generator: Mapping[str, Any]
 
 
@@ -56,6 +58,10 @@ class Potentiometers:
         self._cables = np.empty(bellows.COUNT)
         self._drift = np.empty(bellows.COUNT)
         self._normals = np.empty((2, bellows.COUNT))
+        self._period = period
+        # What a disturbance adds to the readings: a shift, and a drift that grows.
+        self._departures = np.zeros(bellows.COUNT)
+        self.disturb(Disturbances())
         self.reset(seed, lengths)
 
     def reset(self, seed: np.random.SeedSequence, lengths: Array) -> None:
@@ -63,6 +69,13 @@ class Potentiometers:
         self._rng = np.random.default_rng(seed)
         self._cables[:] = lengths
         self._drift[:] = self._drift_spread * self._rng.standard_normal(bellows.COUNT)
+        self._departures[:] = 0.0
+
+    def disturb(self, disturbances: Disturbances) -> None:
+        """Take on shifts and drifts, from the next reading on; where a drift ends, it is gone."""
+        self._shift = np.array(disturbances.sensor_shift)
+        self._departure = self._period * np.array(disturbances.sensor_drift)
+        self._departures[self._departure == 0.0] = 0.0
 
     def measure(self, lengths: Array, out: Array) -> None:
         """Let one period pass and read.
@@ -85,6 +98,9 @@ class Potentiometers:
             self._offsets,
             self._cables,
             self._drift,
+            self._shift,
+            self._departure,
+            self._departures,
             out,
         )
 
@@ -92,13 +108,17 @@ class Potentiometers:
     def state(self) -> PotentiometerState:
         """Copy of everything needed to go on from here."""
         return PotentiometerState(
-            self._cables.copy(), self._drift.copy(), self._rng.bit_generator.state
+            self._cables.copy(),
+            self._drift.copy(),
+            self._departures.copy(),
+            self._rng.bit_generator.state,
         )
 
     @state.setter
     def state(self, value: PotentiometerState) -> None:
         self._cables[:] = value.cables
         self._drift[:] = value.drift
+        self._departures[:] = value.departures
         self._rng.bit_generator.state = value.generator
 
 
@@ -115,6 +135,9 @@ def _read(
     offsets: Array,
     cables: Array,
     drift: Array,
+    shift: Array,
+    departure: Array,
+    departures: Array,
     out: Array,
 ) -> None:
     """Advance cables and drift by one period, and fill `out` with the readings."""
@@ -122,7 +145,9 @@ def _read(
         length = lengths[index]
         cables[index] = min(max(cables[index], length - half_play), length + half_play)
         drift[index] = keep * drift[index] + kick * normals[0, index]
+        departures[index] += departure[index]
         reading = gains[index] * cables[index] + offsets[index] + drift[index]
+        reading += shift[index] + departures[index]
         reading += noise * normals[1, index]
         if resolution > 0.0:
             reading = np.rint(reading / resolution) * resolution

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -21,37 +20,15 @@ from bha_common.ros_messages import stamp_message, tip_message
 from bha_common.ros_node import CONTROL_QOS, ERROR, LATCHED_QOS, OK, WARN, BhaNode, exit_with, run
 from bha_common.ros_parameters import declare_settings
 from bha_common.ros_wire import encode_lengths, encode_pressures
-from bha_common.settings import check_settings, setting
 from bha_common.stamps import check_command_stamp
+from bha_sim.disturbances import Disturbances
 from bha_sim.errors import PlantDivergedError
 from bha_sim.lockstep import Pace, PaceSettings
 from bha_sim.plant import Plant
 from bha_sim.robot_parameters import draw_robot, load_parameters
+from bha_sim.simulator_settings import SimulatorSettings
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class SimulatorSettings:
-    """Which robot is simulated, and how often it is seen."""
-
-    robot_file: str = setting("", "YAML of the robot's physics; empty: the one of this package")
-    robot_seed: int = setting(0, "Draws the individual robot and the noise of its sensors", low=0)
-    control_period: float = setting(
-        0.02, "Time between two states [s]; a multiple of the integration step", low=1e-3, high=1.0
-    )
-    tip_period: float = setting(
-        0.1,
-        "Time between two of tip, pressures and /clock [s]; multiple of the control period",
-        low=1e-3,
-    )
-    max_command_age: float = setting(
-        0.5, "Age at which a pressure command is dropped [s]", low=0.02
-    )
-    start_paused: bool = setting(False, "Wait for `~/pause` with false before the first state")
-
-    def __post_init__(self) -> None:
-        check_settings(self)
 
 
 class Simulator(BhaNode):
@@ -66,6 +43,9 @@ class Simulator(BhaNode):
         robot = draw_robot(load_parameters(Path(path) if path else None), self._settings.robot_seed)
         period = self._settings.control_period
         self._plant = Plant(robot, seed=self._settings.robot_seed, control_period=period)
+        self._plant.disturb(
+            declare_settings(self, Disturbances, "disturbances.", on_change=self._disturb)
+        )
         self._gate = CommandGate(safety)
         self._pace = Pace(pace, period, time.monotonic())
         self._period_ns = round(period * 1e9)
@@ -139,6 +119,10 @@ class Simulator(BhaNode):
             self._answered = True
             self._pace.answered()
 
+    def _disturb(self, disturbances: Disturbances) -> None:
+        self._plant.disturb(disturbances)
+        self.get_logger().info(f"disturbances: {disturbances}")
+
     def _reset(self, request: Reset.Request, response: Reset.Response) -> Reset.Response:
         self._gate.begin_anew(self._now * 1e-9)
         self._plant.reset(int(request.seed) if request.use_seed else None)
@@ -185,6 +169,7 @@ class Simulator(BhaNode):
             "real-time factor": f"{factor:.1f}",
             "lockstep": str(self._pace.in_step),
             "lockstep timeouts": str(self._pace.timeouts),
+            "disturbances": str(self._plant.disturbances),
         }
         if self._diverged:
             return ERROR, self._diverged, values

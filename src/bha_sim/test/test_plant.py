@@ -171,49 +171,6 @@ def test_earlier_states_do_not_change():
     assert bits(early) == kept
 
 
-def energy(robot: Plant) -> float:
-    """Mechanical energy [J]: kinetic, weight, springs with all branches, hardening, torsion."""
-    model, data, parameters = robot._model, robot._data, robot.parameters
-    moving = 0.5 * data.qvel @ _mass_matrix(robot) @ data.qvel
-    weight = -parameters.trunk.gravity * model.body_mass @ data.xipos[:, 2]
-    visco, extensions = robot._visco, robot._extensions
-    whole = model.tendon_stiffness[: len(extensions)]
-    branches = visco._weights * whole
-    lasting = whole / visco.stiffness_factors
-    springs = 0.5 * lasting @ extensions**2
-    springs += 0.5 * np.sum(branches * (extensions - visco.state) ** 2)
-    middle = parameters.trunk.segment_rest_lengths.repeat(3)
-    middle = middle + parameters.bellows.hardening_extension
-    hard = 0.25 * parameters.bellows.hardening @ (robot._lengths - middle) ** 4
-    twist = 0.5 * model.jnt_stiffness @ data.qpos**2
-    return float(moving + weight + springs + hard + twist)
-
-
-def _mass_matrix(robot: Plant) -> np.ndarray:
-    import mujoco
-
-    matrix = np.zeros((robot._model.nv, robot._model.nv))
-    mujoco.mj_fullM(robot._model, robot._data, matrix)
-    return matrix
-
-
-@pytest.mark.parametrize("robot_seed", range(3))
-def test_energy_never_grows_without_pressure(robot_seed):
-    robot = plant(robot_seed)
-    rng = np.random.default_rng(robot_seed)
-    for _ in range(3):
-        hold(robot, rng.uniform(0.0, MAX, 9), 1.0)
-        # All air out at once: from here on only springs, weight and motion hold energy.
-        robot._pneumatics.reset(np.random.SeedSequence(0))
-        energies = [energy(robot)]
-        for _ in range(500):
-            robot.step(np.zeros(9))
-            energies.append(energy(robot))
-        growth = np.diff(energies)
-        assert energies[0] - energies[-1] > 0.5
-        assert growth.max() <= 1e-9 * np.ptp(energies)
-
-
 def test_the_tip_is_near_constant_curvature():
     robot = plant()
     rng = np.random.default_rng(0)

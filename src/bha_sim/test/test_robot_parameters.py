@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -73,6 +74,9 @@ def test_arrays_are_read_only():
         ("relaxation", "shares", [0.1, 0.2], r"relaxation\.shares must be .*\(3, 9\)"),
         ("hysteresis", "slips", [0.001, 0.0, 0.1], r"hysteresis\.slips must be above 0 everywhere"),
         ("pneumatics", "dead_time", -0.1, r"pneumatics\.dead_time must be at least 0"),
+        ("pneumatics", "regulator_play", 2e5, r"regulator_play must be below max_pressure, 130000"),
+        ("bellows", "stiffness", True, r"bellows\.stiffness must be numbers"),
+        ("bellows", "stiffness", "soft", r"bellows\.stiffness must be numbers"),
         ("pneumatics", "max_pressure", float("inf"), r"pneumatics\.max_pressure must be above 0"),
         ("potentiometers", "noise", None, r"potentiometers\.noise must be a number"),
         ("potentiometers", "drift_time", 0.0, r"potentiometers\.drift_time must be above 0"),
@@ -127,10 +131,46 @@ def test_a_drawn_robot_lies_within_the_variation(seed):
         (robot.hysteresis.shares, mean.hysteresis.shares, width.hysteresis),
         (robot.trunk.segment_masses, mean.trunk.segment_masses, width.mass),
         (robot.trunk.torsion_stiffness, mean.trunk.torsion_stiffness, width.torsion),
+        (robot.trunk.tool_mass, mean.trunk.tool_mass, width.mass),
+        (robot.bellows.hardening, mean.bellows.hardening, width.hardening),
+        (robot.relaxation.time_constants, mean.relaxation.time_constants, width.relaxation),
+        (robot.hysteresis.slip_factors, 1.0, width.slip),
+        (robot.pneumatics.fill_time_constant, mean.pneumatics.fill_time_constant, width.lag),
+        (robot.pneumatics.vent_time_constant, mean.pneumatics.vent_time_constant, width.lag),
         (robot.potentiometers.gains, mean.potentiometers.gains, width.sensor_gain),
     ):
         assert np.all(np.abs(drawn / nominal - 1.0) <= spread)
     assert np.all(np.abs(robot.potentiometers.offsets) <= width.sensor_offset)
+
+
+def test_robots_differ_in_all_that_makes_a_robot_by_up_to_15_percent():
+    """Stiffnesses, areas, friction, creep, masses: each drawn, and the width of it made use of."""
+    mean = load_parameters()
+    robots = [draw_robot(mean, seed) for seed in range(1000, 1040)]
+
+    def factors(read: Callable[[RobotParameters], Any]) -> np.ndarray:
+        return np.array([read(robot) / read(mean) for robot in robots]) - 1.0
+
+    reads: dict[str, Callable[[RobotParameters], Any]] = {
+        "stiffness": lambda robot: robot.bellows.stiffness,
+        "area": lambda robot: robot.bellows.areas,
+        "friction": lambda robot: robot.hysteresis.shares,
+        "creep": lambda robot: robot.relaxation.shares,
+        "creep times": lambda robot: robot.relaxation.time_constants,
+        "segment masses": lambda robot: robot.trunk.segment_masses,
+        "tool mass": lambda robot: robot.trunk.tool_mass,
+    }
+    for name, read in reads.items():
+        drawn = factors(read).reshape(len(robots), -1)
+        assert 0.09 < np.abs(drawn).max() <= 0.15, name
+        # Uniform about the mean: every bellows, branch and segment by itself.
+        assert np.all(drawn.std(axis=0) > 0.03), name
+        assert np.abs(drawn.mean()) < 0.04, name
+        across = np.corrcoef(drawn.T) if drawn.shape[1] > 1 else np.eye(1)
+        assert np.abs(across - np.eye(len(across))).max() < 0.7, name
+    offsets = np.array([robot.potentiometers.offsets for robot in robots])
+    assert 0.0025 < np.abs(offsets).max() <= mean.variation.sensor_offset
+    assert np.all(offsets.std(axis=0) > 0.001)
 
 
 def test_the_pieces_of_a_drawn_bellows_keep_its_stiffness():
