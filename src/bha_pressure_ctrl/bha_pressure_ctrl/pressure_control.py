@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from bha_common import bellows
 from bha_common.command_gate import SafetySettings
 from bha_common.settings import check_settings, setting
+from bha_pressure_ctrl.command_shaping import ShapingSettings
 from bha_pressure_ctrl.equilibrium_model import EquilibriumModel
 from bha_pressure_ctrl.identification import Identification, IdentificationSettings
 from bha_pressure_ctrl.length_controller import LengthController, LengthControllerSettings
@@ -29,6 +30,7 @@ class PressureControlSettings:
         0, "Seed of the postures that identification visits, and of the model's neurons", low=0
     )
     gains: LengthControllerSettings = field(default_factory=LengthControllerSettings)
+    shaping: ShapingSettings = field(default_factory=ShapingSettings)
     identification: IdentificationSettings = field(default_factory=IdentificationSettings)
     model: ModelSettings = field(default_factory=ModelSettings)
     safety: SafetySettings = field(default_factory=lambda: SafetySettings(command_timeout=2.0))
@@ -88,6 +90,7 @@ class PressureControl:
             else LengthController(
                 model,
                 self._settings.gains,
+                self._settings.shaping,
                 max_pressure=self._settings.safety.max_pressure,
                 period=self._settings.control_period,
             )

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+from bha_pressure_ctrl.command_shaping import ShapingSettings
 from bha_pressure_ctrl.equilibrium_model import Array, EquilibriumModel
 from bha_pressure_ctrl.length_controller import LengthController, LengthControllerSettings
 
@@ -34,10 +35,17 @@ class Plant:
         self.lengths = self.lengths + self._share * (rest - self.lengths)
 
 
-def controller(**gains: float) -> LengthController:
-    return LengthController(
-        MODEL, LengthControllerSettings(**gains), max_pressure=MAX_PRESSURE, period=PERIOD
-    )
+PLAIN = dict.fromkeys(("smoothing_time", "valve_lag", "creep_share", "dead_time"), 0.0)
+AT_ONCE = ShapingSettings(**PLAIN, response_lag=0.0)
+"""Expects every command to be followed at once."""
+
+AS_THE_PLANT = ShapingSettings(**PLAIN, response_lag=0.4)
+"""Expects a plant with a lag of 0.4 s."""
+
+
+def controller(shaping: ShapingSettings = AS_THE_PLANT, **gains: float) -> LengthController:
+    settings = LengthControllerSettings(**gains)
+    return LengthController(MODEL, settings, shaping, max_pressure=MAX_PRESSURE, period=PERIOD)
 
 
 def run(control: LengthController, plant: Plant, command: Array, seconds: float) -> Array:
@@ -54,12 +62,8 @@ def test_with_a_perfect_model_the_feed_forward_is_the_answer() -> None:
     np.testing.assert_allclose(pressures, MODEL.pressures(COMMAND))
 
 
-AT_ONCE: dict[str, float] = {"response_time": 0.0, "dead_time": 0.0, "adaptation_time": 0.0}
-"""Expects every command to be followed at once."""
-
-
 def test_is_the_sum_of_its_three_terms() -> None:
-    control = controller(proportional_gain=2e5, integral_gain=1e6, **AT_ONCE)
+    control = controller(AT_ONCE, proportional_gain=2e5, integral_gain=1e6, adaptation_time=0.0)
     lengths = COMMAND - 1e-3
     expected = MODEL.pressures(COMMAND) + 2e5 * 1e-3
     for tick in range(1, 6):
@@ -69,11 +73,8 @@ def test_is_the_sum_of_its_three_terms() -> None:
 
 def test_a_new_command_finds_no_error() -> None:
     """A robot that follows as expected is driven by the feed-forward alone."""
-    lag = {"response_time": 0.4, "dead_time": 0.0}
-    feedforward, feedback = (
-        controller(**lag, proportional_gain=0, integral_gain=0),
-        controller(**lag),
-    )
+    feedforward = controller(proportional_gain=0, integral_gain=0)
+    feedback = controller()
     lengths = [
         np.vstack([run(control, plant, c, 2.0) for c in (MIDDLE, COMMAND, 0.4 - COMMAND, MIDDLE)])
         for control, plant in ((feedforward, Plant()), (feedback, Plant()))
@@ -86,8 +87,8 @@ def test_a_new_command_finds_no_error() -> None:
 def test_the_integral_does_not_fight_the_feed_forward(stiffness: float) -> None:
     """What it winds up against a feed-forward that is at work, it must overshoot to lose."""
     overshoots = []
-    for expects in ({"response_time": 0.4}, AT_ONCE):
-        control, plant = controller(**expects), Plant(stiffness=stiffness)
+    for shaping in (AS_THE_PLANT, AT_ONCE):
+        control, plant = controller(shaping), Plant(stiffness=stiffness)
         run(control, plant, MIDDLE, 20.0)
         lengths = run(control, plant, COMMAND, 10.0)
         overshoots.append((np.sign(COMMAND - MIDDLE) * (lengths - COMMAND)).max())
@@ -127,7 +128,7 @@ def test_what_the_integral_has_found_is_kept_for_the_next_command() -> None:
 
 
 def test_reset_forgets_the_integral() -> None:
-    control = controller(**AT_ONCE)
+    control = controller(AT_ONCE)
     first = control.update(COMMAND, COMMAND - 0.01)
     assert (control.update(COMMAND, COMMAND - 0.01) > first).all()
     control.reset()
