@@ -17,6 +17,7 @@ NAMES = (
     "workspace",
     "interest",
     "baselines",
+    "bha-control",
 )
 """In the order of `list`; the table NAME is the module benchmarks.NAME, dashes as underscores."""
 
