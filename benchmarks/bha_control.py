@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from statistics import mean, median
 from typing import TYPE_CHECKING, Any
 
@@ -73,7 +74,7 @@ def _responses(seed: int, samples: int, targets: int) -> Figures:
         figures["tracking"] = tracking(plant, controller(method, model), goals[:5])
         plant.restore_state(start)
         figures["margin of 2"] = is_stable(
-            plant, lambda method=method: controller(method, model, 2.0), goals[:4]
+            plant, partial(controller, method, model, 2.0), goals[:4]
         )
         told[method] = figures
     return told
@@ -141,11 +142,11 @@ def _age_rows(ages: list[Figures]) -> list[dict[str, Any]]:
 
 def _median(responses: list[Figures], method: str, key: str) -> float:
     """Median over all steps of all robots."""
-    return median(value for each in responses for value in each[method][key])
+    return float(median(value for each in responses for value in each[method][key]))
 
 
 def _mean(responses: list[Figures], method: str, key: str) -> float:
-    return mean(value for each in responses for value in each[method][key])
+    return float(mean(value for each in responses for value in each[method][key]))
 
 
 def _bounds(models: list[Figures], responses: list[Figures], ages: list[Figures]) -> list[Bound]:
