@@ -103,10 +103,17 @@ class TestRising:
         fitted, _ = fit_rising_elm(
             x, y, times, self.hidden, LOOSE, low=LOW, high=HIGH, least_slope=least
         )
-        assert (fitted.lowest_slopes(LOW, HIGH) >= least * (1 - 1e-6)).all()
+        assert (fitted.lowest_slopes(LOW, HIGH) >= least).all()
         rng = np.random.default_rng(seed)
         anywhere = np.vstack([rng.uniform(LOW, HIGH, (5000, SIZE)), rng.choice([-3, 3], (8, SIZE))])
-        assert own(fitted.slopes(anywhere)).min() >= least * (1 - 1e-6)
+        assert own(fitted.slopes(anywhere)).min() >= least
+
+    def test_solvers_are_not_exact_and_no_fit_fails_for_it(self) -> None:
+        """With large weights, a bound is met only to the tolerance of the solver."""
+        for seed in range(20):
+            x, y, times = wavy_samples(count=300, seed=seed)
+            y = 50.0 * y
+            fit_rising_elm(x, y, times, self.hidden, LOOSE, low=LOW, high=HIGH, least_slope=0.02)
 
     def test_it_is_the_best_of_those_that_rise(self) -> None:
         """Any way from it to a looser one that stays certified costs."""
@@ -131,7 +138,9 @@ class TestRising:
             )
             if (other.lowest_slopes(LOW, HIGH) >= 0.1).all():
                 kept += 1
-                assert cost(other) > cost(fitted) - 1e-9
+                assert (
+                    cost(other) > cost(fitted) - 1e-2
+                )  # the margin of the constraint costs a little
         assert kept > 20
 
     def test_what_rises_by_itself_is_left_alone(self) -> None:
