@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 from benchmarks.equilibrium_models import CONSTRAINED, MODELS, THIRD, USUAL, violations
 from benchmarks.experiment import Bound, Run
-from benchmarks.length_control_methods import LEARNED, METHODS, PID_CAREFUL, Pid, controller
+from benchmarks.length_control_methods import (
+    LEARNED,
+    METHODS,
+    PID_CAREFUL,
+    PID_FAST,
+    Pid,
+    controller,
+)
 from benchmarks.length_responses import is_stable, steps
 from matplotlib.figure import Figure
 
@@ -104,7 +111,8 @@ def bound(runs: list[Run], word: str) -> Bound:
 
 def test_bounds_follow_the_runs() -> None:
     assert all(each.holds for each in bha_control.summarise(made()).bounds)
-    assert bound(made(), "time to 2 mm").measured == pytest.approx(2.5)
+    assert bound(made(), PID_CAREFUL).measured == pytest.approx(2.5)
+    assert bound(made(), PID_FAST).measured == pytest.approx(3.75)
     assert not bound(made(falling=0.1), "violations").holds
     assert not bound(made(stable=0.0), "stable").holds
 
