@@ -30,8 +30,8 @@ class Controller(Protocol):
 class Pid:
     """PI control of every bellows by itself, without a model, the integral never forgotten.
 
-    A derivative part (2e4 to 1e5 Pa s/m, filtered over 0.05 s) was tried beside six pairs of gains:
-    each lost the margin of 2, and from 1e5 on the steps took longer.
+    It has no derivative part: six choices of one (2e4 to 1e5 Pa s/m, filtered over 0.05 s) were
+    unstable at twice the gain, though of their pairs only 4e5 and 2.5e6 is stable there without it.
     """
 
     proportional: float  # [Pa/m]
@@ -51,12 +51,15 @@ class Pid:
 
 
 FASTEST_PID = (4e5, 2.5e6)
-"""Of 14 pairs tried by hand (3e5 to 7e5, 1e6 to 3e6) the fastest to 2 mm on robots 0 to 2 of those
-that stayed stable on robots 0 to 9 with all gains doubled; not every pair was tried on all robots.
+"""Tried by hand, not on a full grid: of 15 pairs (3e5 to 7e5, 1e6 to 3e6) four were found to stay
+stable on robots 0 to 9 with all gains doubled, and the speed of this one was measured on robots 0
+to 2. The speed of the other three was not.
 """
 
 CAREFUL_PID = (4e5, 1.6e6)
-"""The fastest of them whose largest overshoot is below 1 mm in the median step on robots 0 to 2."""
+"""The fastest of three gentler pairs whose largest overshoot is below 1 mm in the median step, on
+robots 0 to 2; its margin was not tried by itself, but its gains are within those of the pair above.
+"""
 
 
 def controller(method: str, model: EquilibriumModel, gain: float = 1.0) -> Controller:
