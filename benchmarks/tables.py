@@ -18,6 +18,7 @@ NAMES = (
     "interest",
     "baselines",
     "bha-plant",
+    "bha-control",
 )
 """In the order of `list`; the table NAME is the module benchmarks.NAME, dashes as underscores."""
 
