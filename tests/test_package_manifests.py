@@ -10,13 +10,13 @@ import pytest
 SOURCE = Path(__file__).parents[1] / "src"
 PACKAGES = sorted(path.parent for path in SOURCE.glob("*/setup.py"))
 
-# The rosdep key of an import, where it is not the import's own name. numba has none for Ubuntu
-# 24.04; CONTRIBUTING.md says how it gets there.
+# The rosdep key of an import, where it is not the import's own name. numba and piqp have none for
+# Ubuntu 24.04; CONTRIBUTING.md says how they get there.
 KEYS = {
     name: f"python3-{name}"
     for name in ("hypothesis", "matplotlib", "numpy", "pytest", "rich", "scipy", "typer")
 } | {"mujoco": "python3-mujoco-pip", "yaml": "python3-yaml"}
-WITHOUT_KEY = {"numba"}
+WITHOUT_KEY = {"numba", "piqp"}
 
 
 def imported(folder: Path) -> set[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,47 +11,99 @@ from numpy.typing import NDArray
 
 from bha_common import bellows
 from bha_common.files import ModelFileError, load_versioned, save_versioned
+from bha_pressure_ctrl.constrained_elm import Elm
+from bha_pressure_ctrl.soft_ends import bend, bend_slopes
 
 Array = NDArray[np.float64]
 
-_KIND, _VERSION = "equilibrium model", 1
-MIN_SAMPLES = 2 * (bellows.COUNT + 1)
-"""Fewest settled samples that a fit is made from: twice the unknowns of a bellows."""
+_KIND, _VERSION = "equilibrium model", 2
+_SCALARS = ("length_scale", "max_pressure", "constrained", "pressure_error", "samples")
+_ELM = ("input_weights", "biases", "output_weights", "direct", "offset")
 
 
 class EquilibriumModelError(ValueError):
-    """Samples that no equilibrium model can be fitted to; the message says why."""
+    """Samples or numbers that make no equilibrium model; the message says why."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class EquilibriumModel:
-    """An affine map from settled lengths to the pressures that hold them.
+    """A map from settled lengths to the pressures that hold them.
 
-    ``pressures = mean_pressures + slope @ (lengths - mean_lengths)``
+    ``pressures = ends(max_pressure * elm((lengths - mean_lengths) / length_scale))``
+
+    where ``ends`` bends what comes near the ends of the range of pressures or beyond, so that it
+    stays inside and goes on rising; a model that is not constrained is without it.
 
     Attributes
     ----------
-    mean_lengths : Mean of the samples' lengths [m], shape (9,).
-    mean_pressures : Mean of the samples' pressures [Pa], shape (9,).
-    slope : Pressure per length [Pa/m], shape (9, 9).
+    mean_lengths : Lengths that are 0 to the network [m], shape (9,).
+    length_scale : Distance from them that is 1 to the network [m].
+    elm : The network, nine inputs and outputs; without hidden neurons the model is affine.
+    max_pressure : Upper end of the range of pressures [Pa]; the lower end is 0.
+    constrained : Whether every pressure is to rise with its own length, within the range, wherever
+        a length can be meant.
     pressure_error : Root mean square error in cross-validation [Pa].
     samples : Number of settled samples behind the model.
     """
 
     mean_lengths: Array
-    mean_pressures: Array
-    slope: Array
+    length_scale: float
+    elm: Elm
+    max_pressure: float
+    constrained: bool
     pressure_error: float
     samples: int
 
     def __post_init__(self) -> None:
-        shapes = {"mean_lengths": (9,), "mean_pressures": (9,), "slope": (9, 9)}
-        for name, shape in shapes.items():
-            array = np.array(getattr(self, name), dtype=np.float64)
-            if array.shape != shape or not np.all(np.isfinite(array)):
-                raise EquilibriumModelError(f"{name} must be finite, shape {shape}")
-            array.setflags(write=False)
-            object.__setattr__(self, name, array)
+        object.__setattr__(self, "mean_lengths", _checked("mean_lengths", self.mean_lengths, (9,)))
+        neurons = len(np.atleast_1d(self.elm.biases))
+        shapes: dict[str, tuple[int, ...]] = {
+            "input_weights": (neurons, 9),
+            "biases": (neurons,),
+            "output_weights": (9, neurons),
+            "direct": (9, 9),
+            "offset": (9,),
+        }
+        parts = {name: _checked(name, getattr(self.elm, name), shapes[name]) for name in _ELM}
+        object.__setattr__(self, "elm", Elm(**parts))
+        for name in ("length_scale", "max_pressure"):
+            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0.0):
+                raise EquilibriumModelError(f"{name} must be above 0, got {getattr(self, name)}")
+        if self.constrained and not np.all(self.lowest_slopes() > 0.0):
+            falling = [bellows.NAMES[k] for k in np.flatnonzero(~(self.lowest_slopes() > 0.0))]
+            raise EquilibriumModelError(
+                f"the pressure of {', '.join(falling)} is not certain to rise with its length"
+            )
+
+    @classmethod
+    def affine(
+        cls,
+        mean_lengths: Array,
+        mean_pressures: Array,
+        slope: Array,
+        *,
+        max_pressure: float = bellows.MAX_PRESSURE,
+        constrained: bool = True,
+        pressure_error: float = 0.0,
+        samples: int = 0,
+    ) -> EquilibriumModel:
+        """Make a model of known numbers: ``mean_pressures + slope @ (lengths - mean_lengths)``.
+
+        Parameters
+        ----------
+        mean_lengths : Lengths [m], shape (9,).
+        mean_pressures : Pressures that hold them [Pa], shape (9,).
+        slope : Pressure per length [Pa/m], shape (9, 9).
+        max_pressure, constrained, pressure_error, samples : As of the model.
+        """
+        elm = Elm(
+            np.zeros((0, 9)),
+            np.zeros(0),
+            np.zeros((9, 0)),
+            np.asarray(slope) / max_pressure,
+            np.asarray(mean_pressures) / max_pressure,
+        )
+        return cls(mean_lengths, 1.0, elm, max_pressure, constrained, pressure_error, samples)
 
     def pressures(self, lengths: Array) -> Array:
         """Tell the pressures that hold the bellows at `lengths`.
@@ -62,16 +114,59 @@ class EquilibriumModel:
 
         Returns
         -------
-        Gauge pressures [Pa], of the same shape; not clipped to any range.
+        Gauge pressures [Pa], of the same shape; within the range if the model is constrained.
         """
-        return self.mean_pressures + (lengths - self.mean_lengths) @ self.slope.T
+        free = self.max_pressure * self.elm(self._inputs(lengths))
+        return bend(free, self.max_pressure) if self.constrained else free
+
+    def slopes(self, lengths: Array) -> Array:
+        """Tell how each pressure changes with each length.
+
+        Parameters
+        ----------
+        lengths : Bellows lengths [m], shape (9,) or (n, 9).
+
+        Returns
+        -------
+        Pressure per length [Pa/m], shape (9, 9) or (n, 9, 9).
+        """
+        inputs = self._inputs(lengths)
+        slopes = self.elm.slopes(inputs) * (self.max_pressure / self.length_scale)
+        if not self.constrained:
+            return slopes
+        bent = bend_slopes(self.max_pressure * self.elm(inputs), self.max_pressure)
+        return bent[..., None] * slopes
+
+    def lowest_slopes(self) -> Array:
+        """Bound from below how each pressure rises with its own length, before the ends bend it.
+
+        Returns
+        -------
+        Pressure per length [Pa/m], shape (9,): for all lengths from `bellows.MIN_LENGTH` to
+        `bellows.MAX_LENGTH` at once, in interval arithmetic. Where it is above 0, the pressure
+        rises, bent or not.
+        """
+        low, high = (self._inputs(np.full(9, end)) for end in LENGTHS)
+        return self.elm.lowest_slopes(low, high) * (self.max_pressure / self.length_scale)
+
+    def shifted(self, pressures: Array) -> EquilibriumModel:
+        """Return the model with pressures [Pa], shape (9,), added before the ends bend them.
+
+        What it is constrained to, it keeps.
+        """
+        elm = replace(self.elm, offset=self.elm.offset + pressures / self.max_pressure)
+        return replace(self, elm=elm)
 
     def save(self, path: str | os.PathLike[str], robot: str) -> None:
         """Write the model to a file that belongs to `robot`."""
-        arrays = {name: getattr(self, name) for name in ("mean_lengths", "mean_pressures", "slope")}
-        settings = {"pressure_error": self.pressure_error, "samples": self.samples}
+        arrays = {name: getattr(self.elm, name) for name in _ELM}
         save_versioned(
-            path, kind=_KIND, version=_VERSION, robot=robot, arrays=arrays, settings=settings
+            path,
+            kind=_KIND,
+            version=_VERSION,
+            robot=robot,
+            arrays={"mean_lengths": self.mean_lengths, **arrays},
+            settings={name: getattr(self, name) for name in _SCALARS},
         )
 
     @classmethod
@@ -81,59 +176,29 @@ class EquilibriumModel:
         Raises
         ------
         ModelFileError
-            When the file cannot be used for this robot.
+            When the file cannot be used for this robot. Files of version 1 hold an affine map
+            without constraints: such a robot is to be identified again.
         """
         stored = load_versioned(path, kind=_KIND, version=_VERSION, robot=robot)
         try:
             fields: dict[str, Any] = {**stored.arrays, **stored.settings}
-            return cls(**fields)
-        except (TypeError, ValueError) as error:
+            elm = Elm(**{name: fields.pop(name) for name in _ELM})
+            return cls(elm=elm, **fields)
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
             raise ModelFileError(f"{path}: does not hold a whole model: {error}") from error
 
-
-def fit_equilibrium_model(
-    lengths: Array, pressures: Array, *, ridge: float = 1e-3, folds: int = 5
-) -> EquilibriumModel:
-    """Fit the model to settled samples by ridge regression.
-
-    Parameters
-    ----------
-    lengths : Settled lengths [m], shape (n, 9).
-    pressures : Pressures that held them [Pa], shape (n, 9).
-    ridge : Penalty on the slope, relative to the mean variance of a length.
-    folds : Number of parts for cross-validation.
-
-    Raises
-    ------
-    EquilibriumModelError
-        When the samples are too few, not finite, or do not move every bellows.
-    """
-    count = len(lengths)
-    if lengths.shape != (count, bellows.COUNT) or pressures.shape != (count, bellows.COUNT):
-        raise EquilibriumModelError("lengths and pressures must both have shape (n, 9)")
-    if count < MIN_SAMPLES:
-        raise EquilibriumModelError(f"{count} settled samples; at least {MIN_SAMPLES} are needed")
-    if not (np.all(np.isfinite(lengths)) and np.all(np.isfinite(pressures))):
-        raise EquilibriumModelError("lengths and pressures must be finite")
-    still = [bellows.NAMES[k] for k in np.flatnonzero(np.ptp(lengths, axis=0) < 1e-3)]
-    if still:
-        raise EquilibriumModelError(
-            f"the length of {', '.join(still)} hardly changed (less than 1 mm): "
-            "is the robot under pressure, and are its potentiometers connected?"
-        )
-    errors = np.empty_like(pressures)
-    parts = np.arange(count) % folds
-    for part in range(folds):
-        test = parts == part
-        mean_l, mean_p, slope = _ridge(lengths[~test], pressures[~test], ridge)
-        errors[test] = mean_p + (lengths[test] - mean_l) @ slope.T - pressures[test]
-    mean_l, mean_p, slope = _ridge(lengths, pressures, ridge)
-    return EquilibriumModel(mean_l, mean_p, slope, float(np.sqrt(np.mean(errors**2))), count)
+    def _inputs(self, lengths: Array) -> Array:
+        inputs: Array = (lengths - self.mean_lengths) / self.length_scale
+        return inputs
 
 
-def _ridge(lengths: Array, pressures: Array, ridge: float) -> tuple[Array, Array, Array]:
-    mean_l, mean_p = lengths.mean(axis=0), pressures.mean(axis=0)
-    x, y = lengths - mean_l, pressures - mean_p
-    gram = x.T @ x
-    penalty = ridge * np.trace(gram) / bellows.COUNT
-    return mean_l, mean_p, np.linalg.solve(gram + penalty * np.eye(bellows.COUNT), x.T @ y).T
+LENGTHS = (bellows.MIN_LENGTH, bellows.MAX_LENGTH)
+"""Ends of the box in which constraints hold [m]: every length that can be commanded."""
+
+
+def _checked(name: str, value: Any, shape: tuple[int, ...]) -> Array:
+    array = np.array(value, dtype=np.float64)
+    if array.shape != shape or not np.all(np.isfinite(array)):
+        raise EquilibriumModelError(f"{name} must be finite, shape {shape}")
+    array.setflags(write=False)
+    return array

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from bha_common import bellows
 from bha_common.settings import check_settings, setting
+from bha_pressure_ctrl.command_shaping import CommandShaping, ShapingSettings
 from bha_pressure_ctrl.equilibrium_model import EquilibriumModel
 
 Array = NDArray[np.float64]
@@ -18,9 +19,12 @@ Array = NDArray[np.float64]
 class LengthControllerSettings:
     """Gains of the feedback on the lengths."""
 
-    proportional_gain: float = setting(3e5, "Pressure per length error [Pa/m]", low=0.0, high=2e6)
+    proportional_gain: float = setting(4e5, "Pressure per length error [Pa/m]", low=0.0, high=2e6)
     integral_gain: float = setting(
-        8e5, "Pressure per integrated length error [Pa/(m s)]", low=0.0, high=5e6
+        2.5e6, "Pressure per integrated length error [Pa/(m s)]", low=0.0, high=5e6
+    )
+    adaptation_time: float = setting(
+        120.0, "Time in which the model takes over what the integral holds; 0: never [s]", low=0.0
     )
 
     def __post_init__(self) -> None:
@@ -30,39 +34,60 @@ class LengthControllerSettings:
 class LengthController:
     """Equilibrium-point control of the lengths.
 
-    ``pressures = model(command) + Kp (command - lengths) + Ki integral(command - lengths)``
+    ``pressures = feedforward + Kp (expected - lengths) + Ki integral(expected - lengths)``
 
-    clipped to the range of the pressures. The integral stands for what the model does not know
-    (creep, hysteresis, drift), so it is kept from one command to the next. Where a pressure is at
-    an end of its range and the error would push it further, its integral stands still.
+    clipped to the range of the pressures. The feed-forward is the model's answer to the command,
+    brought on by `CommandShaping`, which also tells the lengths to expect of it. So a new command
+    finds no error, and the integral does not wind up while the feed-forward is at work. It stands
+    for what the model does not know (creep, hysteresis, drift), so it is kept from one command to
+    the next; where a pressure is at an end of its range and the error would push it further, its
+    integral stands still.
+
+    Near the command the model slowly takes over what the integral holds: it ages with the robot.
 
     Parameters
     ----------
     model : Inverse equilibrium model.
     settings : Gains.
+    shaping : How commands are brought on.
     max_pressure : Upper end of the range of pressures [Pa]; the lower end is 0.
     period : Time between two updates [s].
     """
+
+    SETTLED = 0.003
+    """Distance of a length from its command within which the model adapts [m]."""
 
     def __init__(
         self,
         model: EquilibriumModel,
         settings: LengthControllerSettings,
+        shaping: ShapingSettings,
         *,
         max_pressure: float,
         period: float,
     ) -> None:
         self._model = model
         self._settings = settings
+        self._how = shaping
         self._max_pressure = max_pressure
         self._period = period
-        self._integral = np.zeros(bellows.COUNT)
-        self._command: Array | None = None
-        self._feedforward = np.zeros(bellows.COUNT)
+        self._take_over = 0.0
+        if settings.adaptation_time > 0.0:
+            self._take_over = -float(np.expm1(-period / settings.adaptation_time))
+        self._learned = np.zeros(bellows.COUNT)
+        self.reset()
+
+    @property
+    def model(self) -> EquilibriumModel:
+        """The model as of now, with what was learned since."""
+        return self._model.shifted(self._learned) if self._learned.any() else self._model
 
     def reset(self) -> None:
-        """Forget the integral."""
+        """Forget the integral and the command; what the model has taken over stays."""
         self._integral = np.zeros(bellows.COUNT)
+        self._command: Array | None = None
+        self._pressures = np.zeros(bellows.COUNT)
+        self._shaping: CommandShaping | None = None
 
     def update(self, command: Array, lengths: Array) -> Array:
         """Compute the pressures for the next control period.
@@ -78,12 +103,27 @@ class LengthController:
         """
         if command is not self._command:
             self._command = command
-            self._feedforward = self._model.pressures(command)
-        error = command - lengths
+            self._pressures = self._model.pressures(command)
+        if self._shaping is None:
+            self._shaping = CommandShaping(
+                self._how,
+                period=self._period,
+                lengths=lengths,
+                pressures=self._model.pressures(lengths),
+            )
+        shaped, expected = self._shaping.update(command, self._pressures)
+        error = expected - lengths
         integral = self._integral + (self._settings.integral_gain * self._period) * error
-        wanted = self._feedforward + self._settings.proportional_gain * error + integral
+        wanted = shaped + self._learned + self._settings.proportional_gain * error + integral
         pressures = np.clip(wanted, 0.0, self._max_pressure)
         # Conditional integration, the anti-windup of Astrom and Hagglund, PID Controllers, 3.5.
         pushes_out = (wanted - pressures) * error > 0.0
         self._integral = np.where(pushes_out, self._integral, integral)
+        self._adapt((np.abs(command - lengths) < self.SETTLED) & (wanted == pressures))
         return pressures
+
+    def _adapt(self, settled: NDArray[np.bool_]) -> None:
+        """Let the model take over a little of the integral; their sum stays as it is."""
+        share = np.where(settled, self._take_over * self._integral, 0.0)
+        self._learned = self._learned + share
+        self._integral = self._integral - share

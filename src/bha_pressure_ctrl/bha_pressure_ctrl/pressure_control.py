@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from bha_common import bellows
 from bha_common.command_gate import SafetySettings
 from bha_common.settings import check_settings, setting
-from bha_pressure_ctrl.equilibrium_model import EquilibriumModel, fit_equilibrium_model
+from bha_pressure_ctrl.command_shaping import ShapingSettings
+from bha_pressure_ctrl.equilibrium_model import EquilibriumModel
 from bha_pressure_ctrl.identification import Identification, IdentificationSettings
 from bha_pressure_ctrl.length_controller import LengthController, LengthControllerSettings
+from bha_pressure_ctrl.model_fitting import ModelSettings, fit_equilibrium_model
 
 Array = NDArray[np.float64]
 
@@ -24,9 +26,13 @@ class PressureControlSettings:
     control_period: float = setting(
         0.02, "Time between two states of the robot [s]", low=1e-3, high=1.0
     )
-    seed: int = setting(0, "Seed of the postures that identification visits", low=0)
+    seed: int = setting(
+        0, "Seed of the postures that identification visits, and of the model's neurons", low=0
+    )
     gains: LengthControllerSettings = field(default_factory=LengthControllerSettings)
+    shaping: ShapingSettings = field(default_factory=ShapingSettings)
     identification: IdentificationSettings = field(default_factory=IdentificationSettings)
+    model: ModelSettings = field(default_factory=ModelSettings)
     safety: SafetySettings = field(default_factory=lambda: SafetySettings(command_timeout=2.0))
 
     def __post_init__(self) -> None:
@@ -62,8 +68,8 @@ class PressureControl:
 
     @property
     def model(self) -> EquilibriumModel | None:
-        """The model in use."""
-        return self._model
+        """The model in use, with what it has learned since it was fitted or loaded."""
+        return self._model if self._controller is None else self._controller.model
 
     @property
     def stopped(self) -> bool:
@@ -84,6 +90,7 @@ class PressureControl:
             else LengthController(
                 model,
                 self._settings.gains,
+                self._settings.shaping,
                 max_pressure=self._settings.safety.max_pressure,
                 period=self._settings.control_period,
             )
@@ -112,6 +119,7 @@ class PressureControl:
         self._command = None
         self._identification = None
         self._output = np.zeros(bellows.COUNT)
+        self.use(self._model)
 
     def identify(self, samples: int | None = None) -> Identification:
         """Begin to collect samples; `finish_identification` ends it.
@@ -152,7 +160,13 @@ class PressureControl:
         identification, self._identification = self._identification, None
         if identification is None:
             raise RuntimeError("no identification is running")
-        model = fit_equilibrium_model(*identification.samples())
+        settings = self._settings
+        model = fit_equilibrium_model(
+            *identification.samples(),
+            settings.model,
+            max_pressure=settings.safety.max_pressure,
+            seed=settings.seed,
+        )
         self.use(model)
         return model
 

@@ -22,11 +22,8 @@ from bha_common.ros_parameters import declare_settings
 from bha_common.ros_wire import encode_pressures
 from bha_common.settings import check_settings, setting
 from bha_common.stamps import StreamClock, check_command_stamp
-from bha_pressure_ctrl.equilibrium_model import (
-    MIN_SAMPLES,
-    EquilibriumModel,
-    EquilibriumModelError,
-)
+from bha_pressure_ctrl.equilibrium_model import EquilibriumModel, EquilibriumModelError
+from bha_pressure_ctrl.model_fitting import MIN_SAMPLES
 from bha_pressure_ctrl.pressure_control import PressureControl, PressureControlSettings
 
 Array = NDArray[np.float64]

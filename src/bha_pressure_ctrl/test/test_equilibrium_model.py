@@ -1,164 +1,105 @@
-"""The inverse equilibrium model: what it fits, refuses, and keeps in a file."""
+"""The inverse equilibrium model: what it tells, refuses, and keeps in a file."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from bha_common import bellows
 from bha_common.files import ModelFileError, load_versioned, save_versioned
-from bha_pressure_ctrl.equilibrium_model import (
-    MIN_SAMPLES,
-    Array,
-    EquilibriumModel,
-    EquilibriumModelError,
-    fit_equilibrium_model,
-)
+from bha_pressure_ctrl.constrained_elm import Elm, draw_hidden_layer
+from bha_pressure_ctrl.equilibrium_model import EquilibriumModel, EquilibriumModelError
+
+PARTS = ("input_weights", "biases", "output_weights", "direct", "offset")
 
 
-def robot_samples(count: int, seed: int = 0, noise: float = 0.0) -> tuple[Array, Array, Array]:
-    """Return lengths (n, 9) [m], pressures (n, 9) [Pa] and the slope (9, 9) [Pa/m] behind them."""
-    rng = np.random.default_rng(seed)
-    slope = 5e5 * np.eye(9) + 5e4 * rng.standard_normal((9, 9))
-    lengths = 0.2 + 0.03 * rng.uniform(-1.0, 1.0, (count, 9))
-    pressures = 6e4 + (lengths - 0.2) @ slope.T
-    return lengths + noise * rng.standard_normal(lengths.shape), pressures, slope
+def model(constrained: bool = True, bend: float = 0.05) -> EquilibriumModel:
+    """Return a model with five neurons."""
+    rng = np.random.default_rng(0)
+    hidden = draw_hidden_layer(5, 9, 0.5, rng)
+    direct = 0.15 * np.eye(9) + 0.01 * rng.standard_normal((9, 9))
+    elm = Elm(*hidden, bend * rng.standard_normal((9, 5)), direct, np.full(9, 0.5))
+    return EquilibriumModel(np.full(9, 0.23), 0.03, elm, 1.3e5, constrained, 4e3, 60)
 
 
-def model() -> EquilibriumModel:
-    return fit_equilibrium_model(*robot_samples(40)[:2])
+LENGTHS = 0.23 + 0.05 * np.random.default_rng(1).uniform(-1.0, 1.0, (50, 9))
 
 
-class TestFit:
-    @pytest.mark.parametrize("count", [MIN_SAMPLES, 60, 500])
-    @pytest.mark.parametrize("seed", [0, 1, 2])
-    def test_recovers_an_affine_map(self, count: int, seed: int) -> None:
-        """Without a penalty exactly, also beyond the samples."""
-        lengths, pressures, slope = robot_samples(count, seed)
-        fitted = fit_equilibrium_model(lengths, pressures, ridge=0.0)
-        np.testing.assert_allclose(fitted.slope, slope, rtol=1e-8, atol=1e-3)
-        np.testing.assert_allclose(fitted.pressures(lengths), pressures, atol=1e-6)
-        far = np.full(9, 0.3)
-        np.testing.assert_allclose(fitted.pressures(far), 6e4 + slope @ (far - 0.2), rtol=1e-9)
-        assert fitted.pressure_error < 1e-4
-        assert fitted.samples == count
+def test_affine_is_what_it_says() -> None:
+    slope = 5e5 * np.eye(9) + 1e4
+    made = EquilibriumModel.affine(np.full(9, 0.2), np.full(9, 6e4), slope)
+    lengths = np.linspace(0.18, 0.22, 9)
+    np.testing.assert_allclose(made.pressures(lengths), 6e4 + slope @ (lengths - 0.2))
+    np.testing.assert_allclose(made.slopes(lengths), slope)
 
-    def test_the_penalty_costs_little(self) -> None:
-        """It is there for few and noisy samples: a hundredth of the range is what it may cost."""
-        lengths, pressures, _ = robot_samples(60)
-        fitted = fit_equilibrium_model(lengths, pressures)
-        assert np.abs(fitted.pressures(lengths) - pressures).max() < 0.01 * np.ptp(pressures)
 
-    def test_the_penalty_helps_where_two_bellows_move_alike(self) -> None:
-        """Noise of 0.5 mm must not become slopes of opposite signs."""
-        lengths, _, _ = robot_samples(60)
-        lengths[:, 1] = lengths[:, 0]
-        pressures = 5e5 * (lengths - 0.2)
-        lengths = lengths + 1e-5 * np.random.default_rng(1).standard_normal(lengths.shape)
-        assert np.abs(fit_equilibrium_model(lengths, pressures).slope).max() < 6e5
+@pytest.mark.parametrize("constrained", [True, False])
+def test_slopes_are_the_numerical_ones(constrained: bool) -> None:
+    """Also where the ends bend them."""
+    made, step = model(constrained), 1e-6 * np.eye(9)
+    for lengths in (LENGTHS[0], np.full(9, 0.12), np.full(9, 0.38)):
+        numerical = (made.pressures(lengths + step) - made.pressures(lengths - step)).T / 2e-6
+        np.testing.assert_allclose(made.slopes(lengths), numerical, rtol=1e-4, atol=1e-2)
+    np.testing.assert_allclose(made.slopes(LENGTHS)[7], made.slopes(LENGTHS[7]))
 
-    def test_the_error_is_that_of_samples_left_out(self) -> None:
-        """With as many unknowns as samples the fit is exact, and predicts nothing."""
-        rng = np.random.default_rng(3)
-        lengths = 0.2 + 0.01 * rng.standard_normal((30, 9))
-        pressures = 1e4 * rng.standard_normal((30, 9))
-        fitted = fit_equilibrium_model(lengths, pressures)
-        inside = np.sqrt(np.mean((fitted.pressures(lengths) - pressures) ** 2))
-        assert fitted.pressure_error > 1.1 * inside
-        assert fitted.pressure_error > 0.9e4
 
-    def test_the_error_tells_the_noise(self) -> None:
-        lengths, pressures, slope = robot_samples(300, noise=1e-3)
-        expected = 1e-3 * np.sqrt(np.sum(slope**2) / 9)
-        fitted = fit_equilibrium_model(lengths, pressures)
-        assert fitted.pressure_error == pytest.approx(expected, rel=0.15)
+def test_constraints_change_nothing_in_the_inner_range() -> None:
+    near = 0.23 + 0.1 * (LENGTHS - 0.23)
+    np.testing.assert_allclose(model().pressures(near), model(False).pressures(near))
 
-    def test_many_lengths_at_once(self) -> None:
-        fitted, lengths = model(), robot_samples(7)[0]
-        one_by_one = np.array([fitted.pressures(row) for row in lengths])
-        np.testing.assert_allclose(fitted.pressures(lengths), one_by_one, rtol=1e-12)
 
-    def test_does_not_change_the_samples(self) -> None:
-        lengths, pressures, _ = robot_samples(40)
-        copies = lengths.copy(), pressures.copy()
-        fit_equilibrium_model(lengths, pressures)
-        np.testing.assert_array_equal(lengths, copies[0])
-        np.testing.assert_array_equal(pressures, copies[1])
-
-    @settings(max_examples=20, deadline=None)
-    @given(scale=st.floats(0.1, 10.0), shift=st.floats(-0.05, 0.05))
-    def test_pressures_in_another_unit(self, scale: float, shift: float) -> None:
-        """The fit is linear in the pressures, and shifting all lengths shifts the model."""
-        lengths, pressures, _ = robot_samples(40)
-        first = fit_equilibrium_model(lengths, pressures)
-        second = fit_equilibrium_model(lengths + shift, scale * pressures)
-        np.testing.assert_allclose(
-            second.pressures(lengths + shift), scale * first.pressures(lengths), rtol=1e-6
-        )
+def test_a_shift_adds_pressures_and_keeps_the_range() -> None:
+    near, shift = 0.23 + 0.1 * (LENGTHS - 0.23), np.linspace(-5e3, 5e3, 9)
+    shifted = model().shifted(shift)
+    np.testing.assert_allclose(shifted.pressures(near), model().pressures(near) + shift)
+    far = model().shifted(np.full(9, -1e6)).pressures(LENGTHS)
+    assert (far > 0.0).all()
+    assert (far < 2e3).all()
+    np.testing.assert_array_equal(shifted.lowest_slopes(), model().lowest_slopes())
 
 
 class TestRefusals:
-    """No model is better than a wrong one."""
+    def test_a_model_that_may_fall(self) -> None:
+        with pytest.raises(EquilibriumModelError, match="not certain to rise") as caught:
+            model(bend=0.5)
+        assert "bellows_" in str(caught.value)
+        assert not model(constrained=False, bend=0.5).constrained
 
-    def test_too_few_samples(self) -> None:
-        lengths, pressures, _ = robot_samples(MIN_SAMPLES - 1)
-        with pytest.raises(EquilibriumModelError, match="19 settled samples; at least 20"):
-            fit_equilibrium_model(lengths, pressures)
+    def test_only_those_that_may_fall_are_named(self) -> None:
+        slope = 5e5 * np.diag([1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0, 1.0, 1.0])
+        with pytest.raises(EquilibriumModelError, match="bellows_2_1") as caught:
+            EquilibriumModel.affine(np.full(9, 0.2), np.full(9, 6e4), slope)
+        assert sum(name in str(caught.value) for name in bellows.NAMES) == 1
 
-    def test_none_at_all(self) -> None:
-        with pytest.raises(EquilibriumModelError, match="0 settled samples"):
-            fit_equilibrium_model(np.empty((0, 9)), np.empty((0, 9)))
+    @pytest.mark.parametrize("name", PARTS)
+    @pytest.mark.parametrize("wrong", ["shape", "nan"])
+    def test_a_network_of_wrong_parts(self, name: str, wrong: str) -> None:
+        whole = model()
+        part = getattr(whole.elm, name)
+        bad = np.zeros((3, 4)) if wrong == "shape" else np.full_like(part, np.nan)
+        with pytest.raises(EquilibriumModelError, match="must be finite"):
+            replace(whole, elm=replace(whole.elm, **{name: bad}))
 
-    @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-    @pytest.mark.parametrize("which", [0, 1])
-    def test_numbers_that_are_none(self, value: float, which: int) -> None:
-        samples = robot_samples(40)[:2]
-        samples[which][17, 4] = value
-        with pytest.raises(EquilibriumModelError, match="finite"):
-            fit_equilibrium_model(*samples)
-
-    @pytest.mark.parametrize("still", [(0,), (3, 8), tuple(range(9))])
-    def test_bellows_that_do_not_move(self, still: tuple[int, ...]) -> None:
-        """A valve without air, or a potentiometer that is not connected."""
-        lengths, pressures, _ = robot_samples(40)
-        lengths[:, still] = 0.2 + 2e-4 * np.random.default_rng(0).random((40, len(still)))
-        with pytest.raises(EquilibriumModelError, match="hardly changed") as caught:
-            fit_equilibrium_model(lengths, pressures)
-        for k, name in enumerate(bellows.NAMES):
-            assert (name in str(caught.value)) == (k in still)
-
-    @pytest.mark.parametrize(
-        ("lengths", "pressures"), [((40, 8), (40, 9)), ((40, 9), (39, 9)), ((40, 9), (40, 10))]
-    )
-    def test_wrong_shapes(self, lengths: tuple[int, int], pressures: tuple[int, int]) -> None:
-        with pytest.raises(EquilibriumModelError, match=r"shape \(n, 9\)"):
-            fit_equilibrium_model(np.zeros(lengths), np.zeros(pressures))
-
-    @pytest.mark.parametrize("name", ["mean_lengths", "mean_pressures", "slope"])
-    def test_a_model_of_wrong_parts(self, name: str) -> None:
-        parts: dict[str, Any] = {
-            "mean_lengths": np.zeros(9),
-            "mean_pressures": np.zeros(9),
-            "slope": np.zeros((9, 9)),
-        }
-        for wrong in (np.zeros((9, 3)), np.full(parts[name].shape, np.nan)):
-            with pytest.raises(EquilibriumModelError, match=f"{name} must be finite"):
-                EquilibriumModel(**{**parts, name: wrong}, pressure_error=1.0, samples=20)
+    @pytest.mark.parametrize("name", ["length_scale", "max_pressure"])
+    @pytest.mark.parametrize("value", [0.0, -1.0, np.nan])
+    def test_a_scale_that_is_none(self, name: str, value: float) -> None:
+        change: dict[str, Any] = {name: value}
+        with pytest.raises(EquilibriumModelError, match=f"{name} must be above 0"):
+            replace(model(), **change)
 
 
 def test_a_model_cannot_be_changed() -> None:
     with pytest.raises(ValueError, match="read-only"):
-        model().slope[0, 0] = 0.0
+        model().elm.direct[0, 0] = 0.0
 
 
 def test_a_model_does_not_change_with_what_it_was_made_from() -> None:
-    slope = np.eye(9)
-    made = EquilibriumModel(np.zeros(9), np.zeros(9), slope, 1.0, 20)
-    slope[:] = 7.0
-    np.testing.assert_array_equal(made.slope, np.eye(9))
+    lengths = np.full(9, 0.2)
+    made = EquilibriumModel.affine(lengths, np.full(9, 6e4), 5e5 * np.eye(9))
+    lengths[:] = 7.0
+    np.testing.assert_array_equal(made.mean_lengths, np.full(9, 0.2))
 
 
 class TestFiles:
@@ -166,11 +107,11 @@ class TestFiles:
         saved = model()
         saved.save(tmp_path / "model.npz", "bha_1")
         loaded = EquilibriumModel.load(tmp_path / "model.npz", "bha_1")
-        for name in ("mean_lengths", "mean_pressures", "slope"):
-            assert getattr(loaded, name).tobytes() == getattr(saved, name).tobytes()
+        for name in PARTS:
+            assert getattr(loaded.elm, name).tobytes() == getattr(saved.elm, name).tobytes()
         assert (loaded.pressure_error, loaded.samples) == (saved.pressure_error, saved.samples)
-        lengths = robot_samples(5)[0]
-        np.testing.assert_array_equal(loaded.pressures(lengths), saved.pressures(lengths))
+        assert loaded.constrained
+        np.testing.assert_array_equal(loaded.pressures(LENGTHS), saved.pressures(LENGTHS))
 
     def test_is_not_for_another_robot(self, tmp_path: Path) -> None:
         model().save(tmp_path / "model.npz", "bha_1")
@@ -200,8 +141,8 @@ class TestFiles:
     @pytest.mark.parametrize("change", ["kind", "version"])
     def test_of_another_kind_or_version(self, tmp_path: Path, change: str) -> None:
         path = tmp_path / "model.npz"
-        header: dict[str, Any] = {"kind": "equilibrium model", "version": 1}
-        header[change] = {"kind": "goal babbling checkpoint", "version": 2}[change]
+        header: dict[str, Any] = {"kind": "equilibrium model", "version": 2}
+        header[change] = {"kind": "goal babbling checkpoint", "version": 1}[change]
         save_versioned(path, **header, robot="bha", arrays={}, settings={})
         with pytest.raises(ModelFileError, match=f"{change} is"):
             EquilibriumModel.load(path, "bha")
@@ -210,13 +151,13 @@ class TestFiles:
         """Any part missing, of a wrong shape, not finite, or one too many."""
         path = tmp_path / "model.npz"
         model().save(path, "bha")
-        whole = load_versioned(path, kind="equilibrium model", version=1, robot="bha")
+        whole = load_versioned(path, kind="equilibrium model", version=2, robot="bha")
 
         def refused(arrays: dict[str, Any], values: dict[str, Any]) -> None:
             save_versioned(
                 path,
                 kind="equilibrium model",
-                version=1,
+                version=2,
                 robot="bha",
                 arrays=arrays,
                 settings=values,
@@ -234,3 +175,5 @@ class TestFiles:
             rest = {key: value for key, value in whole.settings.items() if key != name}
             refused(whole.arrays, rest)
         refused({**whole.arrays, "more": np.zeros(1)}, whole.settings)
+        falling = {**whole.arrays, "direct": -whole.arrays["direct"]}
+        refused(falling, whole.settings)

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+from bha_pressure_ctrl.command_shaping import ShapingSettings
 from bha_pressure_ctrl.equilibrium_model import Array, EquilibriumModel
 from bha_pressure_ctrl.length_controller import LengthController, LengthControllerSettings
 
@@ -16,7 +17,7 @@ MAX_PRESSURE = 1.3e5
 MIDDLE = np.full(9, 0.2)
 # Each bellows pushes its neighbour a little.
 SLOPE = 5e5 * (np.eye(9) + 0.15 * np.roll(np.eye(9), 1, axis=0))
-MODEL = EquilibriumModel(MIDDLE, np.full(9, 6e4), SLOPE, 100.0, 60)
+MODEL = EquilibriumModel.affine(MIDDLE, np.full(9, 6e4), SLOPE)
 COMMAND = 0.2 + 0.02 * np.sin(np.arange(9.0))
 
 
@@ -34,10 +35,17 @@ class Plant:
         self.lengths = self.lengths + self._share * (rest - self.lengths)
 
 
-def controller(**gains: float) -> LengthController:
-    return LengthController(
-        MODEL, LengthControllerSettings(**gains), max_pressure=MAX_PRESSURE, period=PERIOD
-    )
+PLAIN = dict.fromkeys(("smoothing_time", "valve_lag", "creep_share", "dead_time"), 0.0)
+AT_ONCE = ShapingSettings(**PLAIN, response_lag=0.0)
+"""Expects every command to be followed at once."""
+
+AS_THE_PLANT = ShapingSettings(**PLAIN, response_lag=0.4)
+"""Expects a plant with a lag of 0.4 s."""
+
+
+def controller(shaping: ShapingSettings = AS_THE_PLANT, **gains: float) -> LengthController:
+    settings = LengthControllerSettings(**gains)
+    return LengthController(MODEL, settings, shaping, max_pressure=MAX_PRESSURE, period=PERIOD)
 
 
 def run(control: LengthController, plant: Plant, command: Array, seconds: float) -> Array:
@@ -55,11 +63,37 @@ def test_with_a_perfect_model_the_feed_forward_is_the_answer() -> None:
 
 
 def test_is_the_sum_of_its_three_terms() -> None:
-    control, lengths = controller(proportional_gain=2e5, integral_gain=1e6), COMMAND - 1e-3
+    control = controller(AT_ONCE, proportional_gain=2e5, integral_gain=1e6, adaptation_time=0.0)
+    lengths = COMMAND - 1e-3
     expected = MODEL.pressures(COMMAND) + 2e5 * 1e-3
     for tick in range(1, 6):
         pressures = control.update(COMMAND, lengths)
         np.testing.assert_allclose(pressures, expected + tick * 1e6 * PERIOD * 1e-3)
+
+
+def test_a_new_command_finds_no_error() -> None:
+    """A robot that follows as expected is driven by the feed-forward alone."""
+    feedforward = controller(proportional_gain=0, integral_gain=0)
+    feedback = controller()
+    lengths = [
+        np.vstack([run(control, plant, c, 2.0) for c in (MIDDLE, COMMAND, 0.4 - COMMAND, MIDDLE)])
+        for control, plant in ((feedforward, Plant()), (feedback, Plant()))
+    ]
+    assert np.ptp(lengths[0], axis=0).max() > 0.03
+    np.testing.assert_allclose(lengths[1], lengths[0], atol=1e-3)
+
+
+@pytest.mark.parametrize("stiffness", [0.9, 1.0, 1.2])
+def test_the_integral_does_not_fight_the_feed_forward(stiffness: float) -> None:
+    """What it winds up against a feed-forward that is at work, it must overshoot to lose."""
+    overshoots = []
+    for shaping in (AS_THE_PLANT, AT_ONCE):
+        control, plant = controller(shaping), Plant(stiffness=stiffness)
+        run(control, plant, MIDDLE, 20.0)
+        lengths = run(control, plant, COMMAND, 10.0)
+        overshoots.append((np.sign(COMMAND - MIDDLE) * (lengths - COMMAND)).max())
+    assert overshoots[0] < 0.5 * overshoots[1]
+    assert overshoots[1] > 1e-3
 
 
 @pytest.mark.parametrize("lag", [0.1, 0.4, 1.0])
@@ -94,7 +128,7 @@ def test_what_the_integral_has_found_is_kept_for_the_next_command() -> None:
 
 
 def test_reset_forgets_the_integral() -> None:
-    control = controller()
+    control = controller(AT_ONCE)
     first = control.update(COMMAND, COMMAND - 0.01)
     assert (control.update(COMMAND, COMMAND - 0.01) > first).all()
     control.reset()
@@ -144,6 +178,50 @@ def test_one_bellows_at_its_end_leaves_the_others_in_control() -> None:
     lengths = run(controller(), plant, command, 30.0)
     others = np.arange(9) != 4
     assert np.abs(lengths[-1] - command)[others].max() < 1e-4
+
+
+class TestAdaptation:
+    """The model takes over what the integral has found."""
+
+    def test_it_learns_how_far_the_robot_has_aged(self) -> None:
+        """Rest lengths 5 mm longer: the slope times that is the answer, and then no more."""
+        control, plant = controller(adaptation_time=20.0), Plant(offset=0.005)
+        rng = np.random.default_rng(0)
+        for _ in range(40):
+            run(control, plant, 0.2 + 0.02 * rng.uniform(-1.0, 1.0, 9), 8.0)
+        aged = np.full(9, 0.205) + 0.01 * rng.uniform(-1.0, 1.0, 9)
+        wanted = MODEL.pressures(aged - 0.005)
+        np.testing.assert_allclose(control.model.pressures(aged), wanted, atol=50.0)
+        assert (control.model.lowest_slopes() == MODEL.lowest_slopes()).all()
+
+    def test_it_is_kept_through_a_reset_and_the_integral_is_not(self) -> None:
+        control, plant = controller(adaptation_time=5.0), Plant(offset=0.005)
+        run(control, plant, COMMAND, 60.0)
+        learned = control.model.pressures(COMMAND)
+        control.reset()
+        np.testing.assert_allclose(control.update(COMMAND, COMMAND), learned)
+
+    def test_pressures_do_not_jump_with_it(self) -> None:
+        pressures = []
+        for time in (0.0, 1.0):
+            control, plant = controller(adaptation_time=time), Plant(offset=0.01)
+            applied = []
+            for _ in range(500):
+                applied.append(control.update(COMMAND, plant.lengths))
+                plant.step(applied[-1])
+            pressures.append(np.array(applied))
+        np.testing.assert_allclose(pressures[0], pressures[1], rtol=1e-9)
+
+    def test_it_does_not_learn_far_from_the_command(self) -> None:
+        """A bellows that cannot reach its command tells nothing about the model."""
+        control, plant = controller(adaptation_time=1.0), Plant()
+        run(control, plant, np.full(9, 0.39), 60.0)
+        assert control.model is MODEL
+
+    def test_it_can_be_switched_off(self) -> None:
+        control = controller(adaptation_time=0.0)
+        run(control, Plant(offset=0.01), COMMAND, 20.0)
+        assert control.model is MODEL
 
 
 def test_does_not_change_what_it_is_given() -> None:

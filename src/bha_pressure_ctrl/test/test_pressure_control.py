@@ -15,7 +15,7 @@ from bha_pressure_ctrl.pressure_control import PressureControl, PressureControlS
 
 PERIOD = 0.02
 STIFFNESS = 5e5
-MODEL = EquilibriumModel(np.full(9, 0.2), np.full(9, 6e4), STIFFNESS * np.eye(9), 100.0, 60)
+MODEL = EquilibriumModel.affine(np.full(9, 0.2), np.full(9, 6e4), STIFFNESS * np.eye(9))
 LENGTHS = np.full(9, 0.2)
 COMMAND = np.full(9, 0.21)
 QUICK = IdentificationSettings(samples=20, rest_window=0.1, rest_speed=1.0, pressure_rate=1e7)
