@@ -18,6 +18,11 @@ NAMES = (
     "interest",
     "baselines",
     "bha-plant",
+    "bha-2d",
+    "bha-3d",
+    "bha-feedback",
+    "bha-range",
+    "bha-use",
 )
 """In the order of `list`; the table NAME is the module benchmarks.NAME, dashes as underscores."""
 
