@@ -1,141 +1,24 @@
 """The table `baselines`: goal babbling beside the methods that the article names.
 
-Every method acts in the same world (planar arms of 1 m, limits of half a turn, 77 goals) and is
-measured by its answers to the goals, without noise and without acting. `METHODS` holds the settings
-of each. They were tried out by hand on seeds 0 to 2, with 1,000 to 3,000 samples on 2, 20 and 50
-joints, and are the same for all arms, up to the factor 1 / sqrt(m) where random angles add up.
+Every method acts in the same world (planar arms of 1 m, limits of half a turn, 77 goals).
 """
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary
-from benchmarks.methods.differential_inverse import DifferentialInverse
-from benchmarks.methods.direct_fit import DirectFit
-from benchmarks.methods.distal_teacher import DistalTeacher
-from benchmarks.methods.feedback_error import FeedbackErrorLearning, inverse_jacobian
-from benchmarks.methods.goal_babbling import GoalBabbling
-from benchmarks.methods.method import Method
-from benchmarks.methods.motor_babbling import MotorBabbling
-from benchmarks.methods.nearest_neighbour import NearestNeighbour
-from benchmarks.methods.null_space_home import NullSpaceHome
-from benchmarks.methods.reward_weighted import RewardWeightedRegression
+from benchmarks.contenders import METHODS
+from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary, runs_with
+from benchmarks.method_trial import trial
 from benchmarks.methods.world import World
-from bha_goal_babbling.babbler_config import GoalBabblerConfig
-from bha_goal_babbling.goal_paths import straight_line
-from bha_goal_babbling.planar_arm import PlanarArm
+from benchmarks.reaching import ReachingTask
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-_GROWTH = 1.12
-"""Factor of samples from one measurement of the error to the next."""
-
-_FULL_RANGE = 2.0 * math.pi
-"""Spread of motor babbling that fills the limits wherever home is [rad]."""
-
-
-@dataclass(frozen=True)
-class _Contender:
-    """A method with its settings.
-
-    Attributes
-    ----------
-    make : Makes it for an arm, the world on it, and a generator.
-    ours : Whether it is goal babbling as this project does it.
-    knows_jacobian : Whether it is given the Jacobian of the arm.
-    """
-
-    make: Callable[[PlanarArm, World, np.random.Generator], Method]
-    ours: bool = False
-    knows_jacobian: bool = False
-
-
-def _share(arm: PlanarArm, angle: float) -> float:
-    """Return an angle [rad] of which m random ones add up to about the same heading."""
-    return angle / math.sqrt(arm.joints)
-
-
-METHODS: dict[str, _Contender] = {
-    "goal babbling (article)": _Contender(
-        lambda arm, world, rng: GoalBabbling(
-            world,
-            rng,
-            GoalBabblerConfig(
-                map_distance=0.1, learning_rate=0.1, noise_spread=0.05, noise_step=0.01
-            ),
-        ),
-        ours=True,
-    ),
-    "goal babbling (fast)": _Contender(
-        lambda arm, world, rng: GoalBabbling(world, rng, GoalBabblerConfig()), ours=True
-    ),
-    "motor babbling, all angles": _Contender(
-        lambda arm, world, rng: MotorBabbling(world, rng, spread=_FULL_RANGE)
-    ),
-    "motor babbling, near home": _Contender(
-        lambda arm, world, rng: MotorBabbling(world, rng, spread=_share(arm, 1.4), waves=1000)
-    ),
-    "null-space home": _Contender(lambda arm, world, rng: NullSpaceHome(world, rng, length=0.7)),
-    "differential inverse": _Contender(
-        lambda arm, world, rng: DifferentialInverse(
-            world,
-            rng,
-            spread=_share(arm, 0.7),
-            walk_step=_share(arm, 0.4),
-            outcome_reach=0.05,
-            action_reach=_share(arm, 1.0),
-        )
-    ),
-    "feedback-error learning": _Contender(
-        lambda arm, world, rng: FeedbackErrorLearning(
-            world, rng, inverse_jacobian(arm.jacobian), steps=2
-        ),
-        knows_jacobian=True,
-    ),
-    "distal teacher": _Contender(
-        lambda arm, world, rng: DistalTeacher(
-            world,
-            rng,
-            babbling=30,
-            spread=_share(arm, 1.4),
-            path_steps=2,
-            distance=0.3,
-            waves=300,
-        )
-    ),
-    "reward-weighted regression": _Contender(
-        lambda arm, world, rng: RewardWeightedRegression(
-            world,
-            rng,
-            exploration=_share(arm, 0.9),
-            batch=100,
-            window=400,
-            ridge=0.1,
-            distance=0.3,
-        )
-    ),
-    "direct fit, all angles": _Contender(
-        lambda arm, world, rng: DirectFit(world, rng, spread=_FULL_RANGE, distance=0.4)
-    ),
-    "direct fit, near home": _Contender(
-        lambda arm, world, rng: DirectFit(world, rng, spread=_share(arm, 1.4), distance=0.4)
-    ),
-    "nearest neighbour": _Contender(
-        lambda arm, world, rng: NearestNeighbour(world, rng, exploration=_share(arm, 0.4))
-    ),
-    "RLS goal babbling": _Contender(
-        lambda arm, world, rng: GoalBabbling(world, rng, GoalBabblerConfig.rls()), ours=True
-    ),
-}
-"""All compared methods by name."""
 
 
 def plan(quick: bool) -> Sequence[Settings]:
@@ -148,33 +31,12 @@ def plan(quick: bool) -> Sequence[Settings]:
 
 
 def run(seed: int, method: str, joints: int, samples: int) -> Figures:
-    """Let one method learn on one arm.
-
-    Returns
-    -------
-    The error [m] after numbers of samples, those when it was at most a tenth of the first (None if
-    never), the travel of the joints [rad] until then, and the largest jump of the joints [rad] in
-    steps of 10 mm around the middle of the goals.
-    """
-    arm = PlanarArm(joints)
-    world = World.of_arm(arm)
-    learner = METHODS[method].make(arm, world, np.random.default_rng(seed))
-    counts, errors = [0], [world.error(learner.inverse(world.goals))]
-    tenth: int | None = None
-    travel: float | None = None
-    while world.samples < samples:
-        learner.run(_next_count(world.samples, samples) - world.samples)
-        counts.append(world.samples)
-        errors.append(world.error(learner.inverse(world.goals)))
-        if tenth is None and errors[-1] <= 0.1 * errors[0]:
-            tenth, travel = world.samples, world.travel
-    return {
-        "counts": counts,
-        "errors": errors,
-        "samples_to_tenth": tenth,
-        "travel_to_tenth": travel,
-        "largest_jump": _largest_jump(learner, world),
-    }
+    """Let one method learn on one arm; see `trial`."""
+    task = ReachingTask(joints)
+    contender = METHODS[method]
+    return trial(
+        contender.make(task.arm, World.of_task(task), np.random.default_rng(seed)), samples
+    )
 
 
 def summarise(runs: Sequence[Run]) -> Summary:
@@ -183,7 +45,7 @@ def summarise(runs: Sequence[Run]) -> Summary:
         _row(method, joints, chosen)
         for joints in sorted({run.settings["joints"] for run in runs})
         for method in METHODS
-        if (chosen := _chosen(runs, method, joints))
+        if (chosen := runs_with(runs, method=method, joints=joints))
     ]
     return Summary(rows, _bounds(runs), _NOTE)
 
@@ -194,7 +56,7 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
     axes = figure.subplots(1, len(arms), sharex=True, sharey=True, squeeze=False)[0]
     for axis, joints in zip(axes, arms, strict=True):
         for index, (method, contender) in enumerate(METHODS.items()):
-            chosen = _chosen(runs, method, joints)
+            chosen = runs_with(runs, method=method, joints=joints)
             if not chosen:
                 continue
             counts = np.array(chosen[0].figures["counts"][1:])
@@ -216,36 +78,6 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
     handles, labels = axes[0].get_legend_handles_labels()
     figure.suptitle("What it takes to reach the goals of a planar arm of 1 m")
     figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=8)
-
-
-def _next_count(count: int, last: int) -> int:
-    """Return after how many samples the error is measured next; 1000 is among them."""
-    wanted = max(count + 5, math.ceil(_GROWTH * count))
-    if count < 1000 < wanted:
-        wanted = 1000
-    return min(wanted, last)
-
-
-def _largest_jump(learner: Method, world: World) -> float:
-    """Return the largest |dq| [rad] in steps of 10 mm around a rectangle among the goals.
-
-    The rectangle lies midway between the middle of the goals' box and its border.
-    """
-    low, high = world.goals.min(axis=0), world.goals.max(axis=0)
-    a, b = 0.75 * low + 0.25 * high, 0.25 * low + 0.75 * high
-    corners = np.array([a, [b[0], a[1]], b, [a[0], b[1]], a])
-    lines = [
-        straight_line(start, end, round(float(np.linalg.norm(end - start)) / 0.01))
-        for start, end in itertools.pairwise(corners)
-    ]
-    actions = learner.inverse(np.concatenate(lines))
-    return float(np.linalg.norm(np.diff(actions, axis=0), axis=1).max())
-
-
-def _chosen(runs: Sequence[Run], method: str, joints: int) -> list[Run]:
-    return [
-        run for run in runs if run.settings["method"] == method and run.settings["joints"] == joints
-    ]
 
 
 def _median(values: Sequence[float | None]) -> float | None:
@@ -289,11 +121,15 @@ def _bounds(runs: Sequence[Run]) -> list[Bound]:
     joints = max(run.settings["joints"] for run in runs)
     last = max(run.settings["samples"] for run in runs)
     errors = {
-        name: _median([_error_after(run, last) for run in _chosen(runs, name, joints)])
+        name: _median(
+            [_error_after(run, last) for run in runs_with(runs, method=name, joints=joints)]
+        )
         for name in METHODS
     }
     jumps = {
-        name: _median([run.figures["largest_jump"] for run in _chosen(runs, name, joints)])
+        name: _median(
+            [run.figures["largest_jump"] for run in runs_with(runs, method=name, joints=joints)]
+        )
         for name in METHODS
     }
     ours = "goal babbling (fast)"
@@ -327,7 +163,7 @@ def _lead(runs: Sequence[Run], joints: int) -> float | None:
     """Return our fewest samples to 10 % over those of others, medians; 0 if only ours get there."""
     fewest = {True: math.inf, False: math.inf}
     for name, contender in METHODS.items():
-        chosen = _chosen(runs, name, joints)
+        chosen = runs_with(runs, method=name, joints=joints)
         median = _median([run.figures["samples_to_tenth"] for run in chosen])
         if median is not None and not contender.knows_jacobian:
             fewest[contender.ours] = min(fewest[contender.ours], median)

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from benchmarks.compiled_arm import FAST, compiled_babbler, reaching_errors
-from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary
+from benchmarks.compiled_reaching import compiled_babbler
+from benchmarks.configs import FAST
+from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary, runs_with
+from benchmarks.reaching import ReachingTask
 from bha_goal_babbling.arrays import FloatArray
-from bha_goal_babbling.planar_arm import PlanarArm
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -42,11 +43,11 @@ def plan(quick: bool) -> Sequence[Settings]:
 
 def run(seed: int, *, joints: int, branch: int, movements: int) -> Figures:
     """Learn from one home."""
-    arm = PlanarArm(joints)
-    babbler = compiled_babbler(arm, FAST, seed, branch=branch)
+    task = ReachingTask(joints, branch)
+    babbler = compiled_babbler(task, FAST, seed)
     babbler.run_movements(movements)
-    postures = babbler.inverse(arm.goal_grid())
-    errors = reaching_errors(arm, postures)
+    postures = babbler.inverse(task.goals)
+    errors = task.errors_of(postures)
     return {
         "mean_error": errors.mean(),
         "median_error": np.median(errors),
@@ -59,7 +60,7 @@ def summarise(runs: Sequence[Run]) -> Summary:
     """Make the table: a row for every arm."""
     rows, on_branch, apart = [], [], []
     for joints in sorted({run.settings["joints"] for run in runs}):
-        up, down = (_of(runs, joints, branch) for branch in (1, -1))
+        up, down = (runs_with(runs, joints=joints, branch=branch) for branch in (1, -1))
         distances = [
             float(np.sqrt(np.mean(np.subtract(a.figures["postures"], b.figures["postures"]) ** 2)))
             for a, b in zip(up, down, strict=True)
@@ -95,13 +96,12 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
     """Draw the postures for the same goals, learned from both homes."""
     shown = sorted({run.settings["joints"] for run in runs})[:2]
     for axes, joints in zip(np.atleast_1d(figure.subplots(1, len(shown))), shown, strict=True):
-        arm = PlanarArm(joints)
-        goals = arm.goal_grid()
+        goals = ReachingTask(joints).goals
         chosen = [
             int(np.argmin(np.linalg.norm(goals - at, axis=1))) for at in ([0.5, 0.4], [0.5, -0.4])
         ]
         for branch in (1, -1):
-            first = _of(runs, joints, branch)[0]
+            first = runs_with(runs, joints=joints, branch=branch)[0]
             postures = np.array(first.figures["postures"])
             for number, index in enumerate(chosen):
                 axes.plot(
@@ -111,7 +111,9 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
                     markersize=3,
                     label=f"learned from home {_NAMES[branch]}" if number == 0 else None,
                 )
-            axes.plot(*_links(arm.home(branch=branch)).T, ":", color=_COLOURS[branch])
+            axes.plot(
+                *_links(ReachingTask(joints, branch).home_action).T, ":", color=_COLOURS[branch]
+            )
         axes.plot([], [], ":", color="#444444", label="home")
         axes.plot(*goals[chosen].T, "x", color="black", label="goal")
         axes.set(title=f"{joints} joints", xlabel="x [m]", ylabel="y [m]", aspect="equal")
@@ -123,11 +125,6 @@ def _links(posture: FloatArray) -> FloatArray:
     headings = np.cumsum(posture)
     steps = np.stack([np.cos(headings), np.sin(headings)], axis=1) / len(posture)
     return np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
-
-
-def _of(runs: Sequence[Run], joints: int, branch: int) -> list[Run]:
-    wanted = (joints, branch)
-    return [run for run in runs if (run.settings["joints"], run.settings["branch"]) == wanted]
 
 
 _NOTE = (

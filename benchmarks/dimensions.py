@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from benchmarks import configs
 from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary
 from benchmarks.reaching import ReachingTask, time_to_reach
-from bha_goal_babbling.babbler_config import GoalBabblerConfig
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,15 +32,7 @@ MOST_MOVEMENTS = 1000
 
 ARTICLE, FAST, RLS = "goal babbling", "goal babbling, fast settings", "RLS goal babbling"
 
-CONFIGS = {
-    ARTICLE: GoalBabblerConfig(
-        map_distance=0.1, noise_spread=0.05, noise_step=0.01, learning_rate=0.1
-    ),
-    FAST: GoalBabblerConfig(
-        map_distance=0.07, noise_spread=0.03, noise_step=0.03, learning_rate=1.0
-    ),
-    RLS: GoalBabblerConfig.rls(),
-}
+CONFIGS = {ARTICLE: configs.ARTICLE, FAST: configs.FAST, RLS: configs.RLS}
 
 
 def plan(quick: bool) -> list[Settings]:

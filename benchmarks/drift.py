@@ -6,16 +6,17 @@ mean square, over goals and joints, of g(x*) now less g(x*) then. Both reach the
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from benchmarks.compiled_arm import compiled_babbler, reaching_errors
-from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary
-from bha_goal_babbling.babbler_config import GoalBabblerConfig
-from bha_goal_babbling.planar_arm import PlanarArm
+from benchmarks.compiled_reaching import compiled_babbler
+from benchmarks.configs import FAST
+from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary, runs_with
+from benchmarks.reaching import ReachingTask
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -43,18 +44,18 @@ def plan(quick: bool) -> Sequence[Settings]:
 
 def run(seed: int, *, joints: int, method: str, movements: int) -> Figures:
     """Learn on and on, and look at the answers now and then."""
-    arm = PlanarArm(joints)
-    babbler = compiled_babbler(arm, GoalBabblerConfig(**_METHODS[method]), seed)
+    task = ReachingTask(joints)
+    babbler = compiled_babbler(task, dataclasses.replace(FAST, **_METHODS[method]), seed)
     settled = min(_SETTLED, movements // 2)
     babbler.run_movements(settled)
-    before = babbler.inverse(arm.goal_grid())
+    before = babbler.inverse(task.goals)
     marks = np.unique(np.geomspace(settled, movements, _POINTS).astype(int))
     drifts, errors = [], []
     for mark in marks:
         babbler.run_movements(int(mark) - babbler.movements)
-        postures = babbler.inverse(arm.goal_grid())
+        postures = babbler.inverse(task.goals)
         drifts.append(np.sqrt(np.mean((postures - before) ** 2)))
-        errors.append(reaching_errors(arm, postures).mean())
+        errors.append(task.errors_of(postures).mean())
     return {"movements": marks, "drifts": drifts, "errors": errors}
 
 
@@ -62,7 +63,7 @@ def summarise(runs: Sequence[Run]) -> Summary:
     """Make the table: a row for every method."""
     rows, drift = [], {}
     for method in _METHODS:
-        members = [run for run in runs if run.settings["method"] == method]
+        members = runs_with(runs, method=method)
         drifts = [run.figures["drifts"][-1] for run in members]
         drift[method] = median(drifts)
         rows.append(
@@ -94,7 +95,7 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
     """Draw drift and error over movements, the median of the seeds and their range."""
     left, right = figure.subplots(1, 2)
     for method, colour in _COLOURS.items():
-        members = [run for run in runs if run.settings["method"] == method]
+        members = runs_with(runs, method=method)
         movements = members[0].figures["movements"]
         for axes, name, scale in ((left, "drifts", 1.0), (right, "errors", 1e3)):
             values = scale * np.array([run.figures[name] for run in members])

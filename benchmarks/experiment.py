@@ -30,6 +30,11 @@ class Run:
     figures: Figures
 
 
+def runs_with(runs: Sequence[Run], **settings: Any) -> list[Run]:
+    """Return the runs that were made with these settings, whatever their others and the seed."""
+    return [run for run in runs if settings.items() <= run.settings.items()]
+
+
 @dataclass(frozen=True)
 class Bound:
     """A number that must be reached.

@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary
+from benchmarks.configs import ARTICLE, FAST
+from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary, runs_with
 from benchmarks.methods.goal_babbling import GoalBabbling
-from benchmarks.methods.sagg_riac import SaggRiacPaths
+from benchmarks.methods.sagg_riac_paths import SaggRiacPaths
 from benchmarks.methods.world import World
+from benchmarks.reaching import ReachingTask
 from bha_goal_babbling.arrays import FloatArray
-from bha_goal_babbling.babbler_config import GoalBabblerConfig
 from bha_goal_babbling.goal_paths import GoalPaths
-from bha_goal_babbling.interest_choice import InterestPaths
-from bha_goal_babbling.planar_arm import PlanarArm
+from bha_goal_babbling.interest_choice import InterestGoalChoice
 from bha_goal_babbling.target_source import TargetSource
 
 if TYPE_CHECKING:
@@ -29,19 +29,14 @@ if TYPE_CHECKING:
 
 CHOICES: dict[str, Callable[[FloatArray, int, int], TargetSource]] = {
     "random": lambda goals, steps, seed: GoalPaths(goals, steps),
-    "interest": lambda goals, steps, seed: InterestPaths(goals, steps),
+    "interest": lambda goals, steps, seed: GoalPaths(goals, steps, InterestGoalChoice(len(goals))),
     "SAGG-RIAC": lambda goals, steps, seed: SaggRiacPaths(
         goals.min(axis=0), goals.max(axis=0), steps, seed
     ),
 }
 """Goal choices by name, each made from goals, shape (G, n), steps of a path, and a seed."""
 
-LEARNERS = {
-    "article": GoalBabblerConfig(
-        map_distance=0.1, learning_rate=0.1, noise_spread=0.05, noise_step=0.01
-    ),
-    "fast": GoalBabblerConfig(),
-}
+LEARNERS = {"article": ARTICLE, "fast": FAST}
 """Settings of the learner by name: as in the article, and ours."""
 
 _ARMS = (2, 20, 50)
@@ -67,7 +62,7 @@ def run(seed: int, choice: str, learner: str, joints: int, movements: int) -> Fi
     The error [m] at first and after every movement, and the movements until it was at most a tenth
     of the first; None if it never was.
     """
-    world = World.of_arm(PlanarArm(joints))
+    world = World.of_task(ReachingTask(joints))
     config = LEARNERS[learner]
     targets = CHOICES[choice](world.goals, config.path_steps, seed)
     babbling = GoalBabbling(world, np.random.default_rng(seed), config, targets)
@@ -87,7 +82,7 @@ def summarise(runs: Sequence[Run]) -> Summary:
         for joints in sorted({run.settings["joints"] for run in runs})
         for learner in LEARNERS
         for choice in CHOICES
-        if (chosen := _chosen(runs, joints, learner, choice))
+        if (chosen := runs_with(runs, joints=joints, learner=learner, choice=choice))
     ]
     return Summary(rows, _bounds(runs), _NOTE)
 
@@ -99,7 +94,7 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
     for row, learner in zip(axes, LEARNERS, strict=True):
         for axis, joints in zip(row, arms, strict=True):
             for index, choice in enumerate(CHOICES):
-                chosen = _chosen(runs, joints, learner, choice)
+                chosen = runs_with(runs, joints=joints, learner=learner, choice=choice)
                 if not chosen:
                     continue
                 errors = 1e3 * np.array([run.figures["errors"] for run in chosen])
@@ -118,11 +113,6 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
     figure.suptitle(
         "Goal choice: median and quartiles over seeds; the grey line is 10 % of the first error"
     )
-
-
-def _chosen(runs: Sequence[Run], joints: int, learner: str, choice: str) -> list[Run]:
-    wanted = {"joints": joints, "learner": learner, "choice": choice}
-    return [run for run in runs if wanted.items() <= run.settings.items()]
 
 
 def _quantile(runs: Sequence[Run], share: float) -> float | None:
@@ -171,8 +161,8 @@ def _mean_ratio(runs: Sequence[Run], learner: str) -> float | None:
     """Return interest over random, medians; None if one of them never gets there on some arm."""
     logarithms = []
     for joints in {run.settings["joints"] for run in runs}:
-        chosen = _quantile(_chosen(runs, joints, learner, "interest"), 0.5)
-        random = _quantile(_chosen(runs, joints, learner, "random"), 0.5)
+        chosen = _quantile(runs_with(runs, joints=joints, learner=learner, choice="interest"), 0.5)
+        random = _quantile(runs_with(runs, joints=joints, learner=learner, choice="random"), 0.5)
         if chosen is None or random is None:
             return None
         logarithms.append(math.log(chosen / random))

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from benchmarks.compiled_arm import ARTICLE, compiled_babbler, reaching_errors
+from benchmarks.compiled_reaching import compiled_babbler
+from benchmarks.configs import ARTICLE
 from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary
-from bha_goal_babbling.planar_arm import PlanarArm
+from benchmarks.reaching import ReachingTask
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -46,14 +47,13 @@ def run(seed: int, *, joints: int, learning_rate: float, most_movements: int) ->
         `movements` that it took, looked at after every movement, later after every hundredth part;
         None if the error never fell that far.
     """
-    arm = PlanarArm(joints)
+    task = ReachingTask(joints)
     config = dataclasses.replace(ARTICLE, learning_rate=learning_rate)
-    babbler = compiled_babbler(arm, config, seed)
-    goals = arm.goal_grid()
-    enough = _SHARE * reaching_errors(arm, babbler.inverse(goals)).mean()
+    babbler = compiled_babbler(task, config, seed)
+    enough = _SHARE * task.errors(babbler.inverse).mean()
     while babbler.movements < most_movements:
         babbler.run_movements(max(1, babbler.movements // 100))
-        if reaching_errors(arm, babbler.inverse(goals)).mean() <= enough:
+        if task.errors(babbler.inverse).mean() <= enough:
             return {"movements": babbler.movements}
     return {"movements": None}
 

@@ -6,18 +6,18 @@ goal babbling's own data, with and without the weights of examples. Only the dat
 
 from __future__ import annotations
 
-import math
+import dataclasses
 from collections.abc import Sequence
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from benchmarks.compiled_arm import compiled_babbler, reaching_errors
-from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary
-from bha_goal_babbling.babbler_config import GoalBabblerConfig
+from benchmarks.compiled_reaching import compiled_babbler
+from benchmarks.configs import FAST
+from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary, runs_with
+from benchmarks.reaching import LIMIT, ReachingTask
 from bha_goal_babbling.local_linear_map import LocalLinearMaps
-from bha_goal_babbling.planar_arm import PlanarArm
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -42,11 +42,9 @@ _DIRECT_RATE = 0.05  # Large rates would follow single examples in place of thei
 
 def fit_random_data(joints: int, samples: int, rng: np.random.Generator) -> LocalLinearMaps:
     """Return maps fitted to postures drawn uniformly from all that there are, and their tips."""
-    arm = PlanarArm(joints)
-    postures = rng.uniform(-math.pi, math.pi, (samples, joints))
-    tips = arm.forward(postures)
-    config = GoalBabblerConfig()
-    maps = LocalLinearMaps(config.map_distance, _DIRECT_RATE, tips[0], postures[0])
+    postures = rng.uniform(-LIMIT, LIMIT, (samples, joints))
+    tips = ReachingTask(joints).arm.forward(postures)
+    maps = LocalLinearMaps(FAST.map_distance, _DIRECT_RATE, tips[0], postures[0])
     for tip, posture in zip(tips, postures, strict=True):
         maps.learn(tip, posture, 1.0)
     return maps
@@ -64,16 +62,15 @@ def plan(quick: bool) -> Sequence[Settings]:
 
 def run(seed: int, *, joints: int, method: str, movements: int) -> Figures:
     """Learn by one method."""
-    arm = PlanarArm(joints)
+    task = ReachingTask(joints)
     if method == _DIRECT:
-        samples = movements * GoalBabblerConfig().path_steps
+        samples = movements * FAST.path_steps
         maps = fit_random_data(joints, samples, np.random.default_rng(seed))
-        postures = maps.predict_many(arm.goal_grid())
+        errors = task.errors(maps.predict_many)
     else:
-        babbler = compiled_babbler(arm, GoalBabblerConfig(**_METHODS[method]), seed)
+        babbler = compiled_babbler(task, dataclasses.replace(FAST, **_METHODS[method]), seed)
         babbler.run_movements(movements)
-        postures = babbler.inverse(arm.goal_grid())
-    errors = reaching_errors(arm, postures)
+        errors = task.errors(babbler.inverse)
     return {"mean_error": errors.mean(), "median_error": np.median(errors), "errors": errors}
 
 
@@ -113,7 +110,10 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
         np.atleast_1d(figure.subplots(1, len(arms), sharey=True)), arms, strict=True
     ):
         errors = [
-            1e3 * np.concatenate([run.figures["errors"] for run in _of(runs, joints, method)])
+            1e3
+            * np.concatenate(
+                [run.figures["errors"] for run in runs_with(runs, joints=joints, method=method)]
+            )
             for method in methods
         ]
         axes.boxplot(errors, orientation="horizontal", whis=(5, 95), showfliers=False)
@@ -122,14 +122,11 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
         axes.invert_yaxis()
 
 
-def _of(runs: Sequence[Run], joints: int, method: str) -> list[Run]:
-    wanted = (joints, method)
-    return [run for run in runs if (run.settings["joints"], run.settings["method"]) == wanted]
-
-
 def _errors(runs: Sequence[Run], joints: int, method: str) -> list[float]:
     """Return the mean error of every seed [mm]."""
-    return [1e3 * run.figures["mean_error"] for run in _of(runs, joints, method)]
+    return [
+        1e3 * run.figures["mean_error"] for run in runs_with(runs, joints=joints, method=method)
+    ]
 
 
 _NOTE = (

@@ -1,4 +1,4 @@
-"""The reaching task that all tables on planar arms share, and how long a learner takes with it.
+"""The reaching task that the tables on planar arms share, and how long a learner takes with it.
 
 The arm is 1 m long, with m equal links. Goals are a grid of 10 cm in x 0.2 to 0.8 m and y -0.5 to
 0.5 m; home is an even arch with the tip at (0.7, 0) m; joints turn by +-pi.
@@ -17,25 +17,30 @@ from bha_goal_babbling.babbler_config import GoalBabblerConfig
 from bha_goal_babbling.goal_babbler import GoalBabbler
 from bha_goal_babbling.planar_arm import PlanarArm
 
+LIMIT = math.pi
+"""Joints turn by plus and minus this [rad]."""
+
 
 class ReachingTask:
-    """An arm with goals, home and limits.
+    """An arm with goals [m], shape (G, 2), home and limits [rad], shapes (m,).
 
     Parameters
     ----------
     joints : int
         Number m of joints.
+    branch : int
+        Side of the arch at home: +1 above the x axis, -1 below.
     """
 
-    def __init__(self, joints: int) -> None:
+    def __init__(self, joints: int, branch: int = 1) -> None:
         self.arm = PlanarArm(joints)
         self.goals = self.arm.goal_grid()
-        self.home_action = self.arm.home()
+        self.home_action = self.arm.home(branch=branch)
         self.home_outcome = self.arm.forward(self.home_action)
-        self.limits = np.full(joints, math.pi)
+        self.limits = np.full(joints, LIMIT)
 
     def babbler(self, config: GoalBabblerConfig, seed: int) -> GoalBabbler:
-        """Return a learner that has not begun."""
+        """Return a learner in numpy that has not begun; see also `compiled_reaching`."""
         return GoalBabbler(
             config,
             self.goals,
@@ -48,9 +53,16 @@ class ReachingTask:
 
     def errors(self, inverse: Callable[[FloatArray], FloatArray]) -> FloatArray:
         """Return the distances of noise-free reaches from the goals [m], shape (G,)."""
-        errors: FloatArray = np.linalg.norm(
-            self.arm.forward(inverse(self.goals)) - self.goals, axis=1
-        )
+        return self.errors_of(inverse(self.goals))
+
+    def errors_of(self, postures: FloatArray) -> FloatArray:
+        """Return the distances of tips from the goals [m], shape (G,).
+
+        Parameters
+        ----------
+        postures : Answers to the goals [rad], shape (G, m).
+        """
+        errors: FloatArray = np.linalg.norm(self.arm.forward(postures) - self.goals, axis=1)
         return errors
 
 

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from benchmarks.compiled_arm import ARTICLE, FAST, LIMIT, compiled_babbler, reaching_errors
-from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary
+from benchmarks.compiled_reaching import compiled_babbler
+from benchmarks.configs import ARTICLE, FAST, RLS
+from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary, runs_with
+from benchmarks.reaching import ReachingTask
 from bha_goal_babbling.arrays import FloatArray
-from bha_goal_babbling.babbler_config import GoalBabblerConfig
 from bha_goal_babbling.goal_babbler import GoalBabbler
-from bha_goal_babbling.planar_arm import PlanarArm
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,11 +22,10 @@ if TYPE_CHECKING:
 _JOINTS = 20
 _STEPS = 25  # of a movement of the article; other methods are counted in these as well
 _MARKS = (10, 100, 1_000, 10_000)  # movements
-_RLS = "RLS goal babbling"
-_CONFIGS: dict[str, GoalBabblerConfig] = {
+_CONFIGS = {
     "goal babbling": ARTICLE,
     "goal babbling, fast settings": FAST,
-    _RLS: GoalBabblerConfig.rls(),
+    "RLS goal babbling": RLS,
 }
 
 
@@ -45,23 +44,21 @@ def run(seed: int, *, method: str, movements: list[int]) -> Figures:
         Lists, an entry a mark: `mean`, `median` and `worst` error over the goals [m], and the
         `roughness` of the postures [rad].
     """
-    arm = PlanarArm(_JOINTS)
-    babbler = (
-        _reference_babbler(arm, seed)
-        if method == _RLS
-        else compiled_babbler(arm, _CONFIGS[method], seed)
-    )
+    task, config = ReachingTask(_JOINTS), _CONFIGS[method]
+    # The loop in machine code knows local linear maps only.
+    compiled = config.model == "local_linear_maps"
+    babbler = compiled_babbler(task, config, seed) if compiled else task.babbler(config, seed)
     figures: dict[str, list[float]] = {"mean": [], "median": [], "worst": [], "roughness": []}
     for mark in movements:
         samples = _STEPS * mark - babbler.samples
         if isinstance(babbler, GoalBabbler):
             for _ in range(samples):
                 action = babbler.ask()
-                babbler.tell(action, arm.forward(action))
+                babbler.tell(action, task.arm.forward(action))
         else:
             babbler.run(samples)
-        postures = babbler.inverse(arm.goal_grid())
-        errors = reaching_errors(arm, postures)
+        postures = babbler.inverse(task.goals)
+        errors = task.errors_of(postures)
         figures["mean"].append(float(errors.mean()))
         figures["median"].append(float(np.median(errors)))
         figures["worst"].append(float(errors.max()))
@@ -85,7 +82,7 @@ def summarise(runs: Sequence[Run]) -> Summary:
     """Make the table: a row for every method and number of movements."""
     rows: list[dict[str, Any]] = []
     for method in _CONFIGS:
-        members = [made for made in runs if made.settings["method"] == method]
+        members = runs_with(runs, method=method)
         for index, mark in enumerate(members[0].settings["movements"] if members else []):
             row: dict[str, Any] = {"method": method, "movements": mark, "samples": _STEPS * mark}
             for name in ("mean", "median", "worst"):
@@ -117,7 +114,7 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
     """Draw error and roughness over movements, the median of the seeds and their range."""
     left, right = figure.subplots(1, 2)
     for method in _CONFIGS:
-        members = [made for made in runs if made.settings["method"] == method]
+        members = runs_with(runs, method=method)
         if not members:
             continue
         movements = members[0].settings["movements"]
@@ -144,14 +141,6 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
         title="Roughness of its postures",
     )
     left.legend(fontsize="small")
-
-
-def _reference_babbler(arm: PlanarArm, seed: int) -> GoalBabbler:
-    home, limits = arm.home(), np.full(arm.joints, LIMIT)
-    rng = np.random.default_rng(seed)
-    return GoalBabbler(
-        _CONFIGS[_RLS], arm.goal_grid(), home, arm.forward(home), -limits, limits, rng
-    )
 
 
 _NOTE = (

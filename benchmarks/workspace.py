@@ -13,11 +13,12 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import i0e, i1e
 
-from benchmarks.compiled_arm import FAST, LIMIT, compiled_babbler
-from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary
+from benchmarks.compiled_reaching import compiled_babbler
+from benchmarks.configs import FAST
+from benchmarks.experiment import Bound, Experiment, Figures, Run, Settings, Summary, runs_with
+from benchmarks.reaching import LIMIT, ReachingTask
 from bha_goal_babbling.arrays import FloatArray
 from bha_goal_babbling.direction_sampling import DirectionTargets
-from bha_goal_babbling.planar_arm import PlanarArm
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -45,11 +46,11 @@ def run(seed: int, *, method: str, samples: list[int]) -> Figures:
     dict
         `coverage`: visited cells over cells within reach, an entry a mark.
     """
-    arm = PlanarArm(_JOINTS)
-    babbler = compiled_babbler(arm, _CONFIG, seed, DirectionTargets(_STEP, 2))
+    task = ReachingTask(_JOINTS)
+    babbler = compiled_babbler(task, _CONFIG, seed, DirectionTargets(_STEP, 2))
     rng = np.random.default_rng(seed)
-    within_reach = len(cells_within_reach(arm.length))
-    side = math.ceil(arm.length / _CELL) + 1
+    within_reach = len(cells_within_reach(task.arm.length))
+    side = math.ceil(task.arm.length / _CELL) + 1
     visited = np.zeros((2 * side, 2 * side), dtype=bool)
     coverage, made = [], 0
     for mark in samples:
@@ -58,7 +59,7 @@ def run(seed: int, *, method: str, samples: list[int]) -> Figures:
             if method == _DIRECTIONS:
                 tips = babbler.run(count)
             else:
-                tips = arm.forward(rng.uniform(-LIMIT, LIMIT, (count, _JOINTS)))
+                tips = task.arm.forward(rng.uniform(-LIMIT, LIMIT, (count, _JOINTS)))
             cells = np.floor(tips / _CELL).astype(int) + side
             visited[cells[:, 0], cells[:, 1]] = True
             made += count
@@ -132,7 +133,7 @@ def summarise(runs: Sequence[Run]) -> Summary:
     """Make the table: a row for every method and number of samples."""
     rows, coverage = [], {}
     for method in (_DIRECTIONS, _RANDOM):
-        members = [made for made in runs if made.settings["method"] == method]
+        members = runs_with(runs, method=method)
         for index, mark in enumerate(members[0].settings["samples"] if members else []):
             values = [made.figures["coverage"][index] for made in members]
             coverage[method, mark] = median(values)
@@ -171,7 +172,7 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
     """Draw coverage over samples, and what random motor babbling would need for more."""
     axes = figure.subplots()
     for method in (_DIRECTIONS, _RANDOM):
-        members = [made for made in runs if made.settings["method"] == method]
+        members = runs_with(runs, method=method)
         if members:
             values = np.median([made.figures["coverage"] for made in members], axis=0)
             axes.semilogx(members[0].settings["samples"], values, "o-", label=method)

@@ -10,7 +10,7 @@ have no Jacobian.
 
 import numpy as np
 
-from benchmarks.methods.forward_model import ForwardModel
+from benchmarks.methods.forward_model import USUAL, ForwardModel, ForwardModelSettings
 from benchmarks.methods.goal_features import GoalModel
 from benchmarks.methods.method import Method
 from benchmarks.methods.motor_babbling import random_action
@@ -46,8 +46,8 @@ class DistalTeacher(Method):
         Step of the gradient, divided by the squared norm of the Jacobian.
     distance : float
         Spacing of the inverse model's features [outcome unit].
-    length, waves, noise :
-        See `MotorBabbling`.
+    forward_model : ForwardModelSettings
+        Settings of the forward model.
     """
 
     def __init__(
@@ -61,9 +61,7 @@ class DistalTeacher(Method):
         path_steps: int = 5,
         rate: float = 1.0,
         distance: float = 0.2,
-        length: float = 1.0,
-        waves: int = 600,
-        noise: float = 1e-3,
+        forward_model: ForwardModelSettings = USUAL,
     ) -> None:
         super().__init__(world)
         self._rng = rng
@@ -71,14 +69,7 @@ class DistalTeacher(Method):
         self._spread = spread
         self._exploration = exploration
         self._rate = rate
-        self._forward = ForwardModel(
-            world.home_action,
-            world.home_outcome,
-            length,
-            waves,
-            noise,
-            rng,
-        )
+        self._forward = ForwardModel(world.home_action, world.home_outcome, forward_model, rng)
         self._model = GoalModel(world.goals, distance, world.home_action)
         self._paths = GoalPaths(world.goals, path_steps)
         self._paths.begin(world.home_outcome, world.home_outcome, rng)

@@ -8,14 +8,41 @@ features. A fit costs the cube of the smaller number, so examples are gathered a
 model is asked and their number has grown enough.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
+from benchmarks.methods.inverse_jacobian import follow_lines
 from benchmarks.methods.random_features import RandomFeatures
+from benchmarks.methods.world import World
 from bha_goal_babbling.arrays import FloatArray
 
 _GROWTH = 0.05
 """Share by which the examples must have become more for a new fit."""
+
+
+@dataclass(frozen=True)
+class ForwardModelSettings:
+    """Settings of a forward model.
+
+    Attributes
+    ----------
+    length : float
+        Length over which outcomes change with one coordinate of the action [action unit].
+    waves : int
+        Number of random features.
+    noise : float
+        Ratio of the standard deviations of what the features miss and of the parameters.
+    """
+
+    length: float = 1.0
+    waves: int = 600
+    noise: float = 1e-3
+
+
+USUAL = ForwardModelSettings()
+"""The settings of methods that are given none."""
 
 
 class ForwardModel:
@@ -25,12 +52,8 @@ class ForwardModel:
     ----------
     home_action, home_outcome : array
         What it knows at first, shapes (m,) and (n,): every action ends at the home outcome.
-    length : float
-        Length over which outcomes change with one coordinate of the action [action unit].
-    waves : int
-        Number of random features.
-    noise : float
-        Ratio of the standard deviations of what the features miss and of the parameters.
+    settings : ForwardModelSettings
+        Its features and how closely they are fitted.
     rng : numpy.random.Generator
         Source of the features.
     """
@@ -39,16 +62,14 @@ class ForwardModel:
         self,
         home_action: FloatArray,
         home_outcome: FloatArray,
-        length: float,
-        waves: int,
-        noise: float,
+        settings: ForwardModelSettings,
         rng: np.random.Generator,
     ) -> None:
         # Distances in m dimensions grow with the root of m, and so must the features' length.
-        length *= np.sqrt(home_action.size)
-        self._features = RandomFeatures(home_action, length, waves, rng)
+        length = settings.length * np.sqrt(home_action.size)
+        self._features = RandomFeatures(home_action, length, settings.waves, rng)
         self._home_outcome = home_outcome
-        self._ridge = noise**2
+        self._ridge = settings.noise**2
         self._square = self._ridge * np.eye(self._features.count)
         self._product = np.zeros((self._features.count, home_outcome.size))
         self._parameters = np.zeros_like(self._product)
@@ -74,6 +95,20 @@ class ForwardModel:
         """Return the derivative of outcomes by actions, shape (N, m), as shape (N, n, m)."""
         self._fit()
         return self._features.slopes(actions, self._parameters)
+
+    def reach(self, goals: FloatArray, world: World, home_pull: float) -> FloatArray:
+        """Return actions, shape (G, m), that reach goals, shape (G, n), as far as it knows.
+
+        They lie within the limits of the world; the pull is that of `follow_lines`.
+        """
+        return follow_lines(
+            self.predict,
+            self.jacobian,
+            world.clipped,
+            world.home_action,
+            goals,
+            home_pull=home_pull,
+        )
 
     def _fit(self) -> None:
         if len(self._actions) <= _GROWTH * self._fitted:

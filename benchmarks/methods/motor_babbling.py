@@ -6,8 +6,7 @@ random around home, a forward model is fitted, and goals are searched on it.
 
 import numpy as np
 
-from benchmarks.methods.forward_model import ForwardModel
-from benchmarks.methods.inverse_jacobian import follow_lines
+from benchmarks.methods.forward_model import USUAL, ForwardModel, ForwardModelSettings
 from benchmarks.methods.method import Method
 from benchmarks.methods.world import World
 from bha_goal_babbling.arrays import FloatArray
@@ -41,12 +40,8 @@ class MotorBabbling(Method):
         Source of all randomness.
     spread : float
         Largest distance from home of every coordinate of an action [action unit].
-    length : float
-        Length of the forward model's features for one coordinate [action unit].
-    waves : int
-        Number of them.
-    noise : float
-        See `ForwardModel`.
+    forward_model : ForwardModelSettings
+        Settings of the forward model.
     home_pull : float
         Pull towards home in the null space when goals are searched; 0 for none.
     """
@@ -57,23 +52,14 @@ class MotorBabbling(Method):
         rng: np.random.Generator,
         *,
         spread: float = 0.5,
-        length: float = 1.0,
-        waves: int = 600,
-        noise: float = 1e-3,
+        forward_model: ForwardModelSettings = USUAL,
         home_pull: float = 0.0,
     ) -> None:
         super().__init__(world)
         self._rng = rng
         self._spread = spread
         self._home_pull = home_pull
-        self._model = ForwardModel(
-            world.home_action,
-            world.home_outcome,
-            length,
-            waves,
-            noise,
-            rng,
-        )
+        self._model = ForwardModel(world.home_action, world.home_outcome, forward_model, rng)
 
     def step(self) -> None:
         """Execute a random action and learn the forward model."""
@@ -82,11 +68,4 @@ class MotorBabbling(Method):
 
     def inverse(self, goals: FloatArray) -> FloatArray:
         """Return actions that reach goals on the forward model; see `Method`."""
-        return follow_lines(
-            self._model.predict,
-            self._model.jacobian,
-            self.world.clipped,
-            self.world.home_action,
-            goals,
-            home_pull=self._home_pull,
-        )
+        return self._model.reach(goals, self.world, self._home_pull)

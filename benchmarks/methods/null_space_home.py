@@ -9,8 +9,8 @@ control with the model learned so far; the pull towards home keeps redundant joi
 
 import numpy as np
 
-from benchmarks.methods.forward_model import ForwardModel
-from benchmarks.methods.inverse_jacobian import follow_lines, resolved_step
+from benchmarks.methods.forward_model import USUAL, ForwardModel, ForwardModelSettings
+from benchmarks.methods.inverse_jacobian import resolved_step
 from benchmarks.methods.method import Method
 from benchmarks.methods.world import World
 from bha_goal_babbling.arrays import FloatArray
@@ -34,8 +34,8 @@ class NullSpaceHome(Method):
         Longest step of the action, before the noise [action unit]: the model may be wrong.
     home_pull : float
         Share a of the way home, in the null space.
-    length, waves, noise :
-        See `MotorBabbling`.
+    forward_model : ForwardModelSettings
+        Settings of the forward model.
     """
 
     def __init__(
@@ -47,23 +47,14 @@ class NullSpaceHome(Method):
         exploration: float = 0.03,
         largest_step: float = 0.3,
         home_pull: float = 0.1,
-        length: float = 1.0,
-        waves: int = 600,
-        noise: float = 1e-3,
+        forward_model: ForwardModelSettings = USUAL,
     ) -> None:
         super().__init__(world)
         self._rng = rng
         self._exploration = exploration
         self._largest_step = largest_step
         self._home_pull = home_pull
-        self._model = ForwardModel(
-            world.home_action,
-            world.home_outcome,
-            length,
-            waves,
-            noise,
-            rng,
-        )
+        self._model = ForwardModel(world.home_action, world.home_outcome, forward_model, rng)
         self._paths = GoalPaths(world.goals, path_steps)
         self._action, self._outcome = world.home_action, world.home_outcome
         self._paths.begin(world.home_outcome, world.home_outcome, rng)
@@ -89,11 +80,4 @@ class NullSpaceHome(Method):
 
     def inverse(self, goals: FloatArray) -> FloatArray:
         """Return actions that reach goals on the forward model; see `Method`."""
-        return follow_lines(
-            self._model.predict,
-            self._model.jacobian,
-            self.world.clipped,
-            self.world.home_action,
-            goals,
-            home_pull=self._home_pull,
-        )
+        return self._model.reach(goals, self.world, self._home_pull)

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
+from benchmarks.reaching import ReachingTask
 from bha_goal_babbling.arrays import FloatArray, matrix, vector
-from bha_goal_babbling.planar_arm import PlanarArm
 
 
 class World:
@@ -45,10 +45,9 @@ class World:
         self._last_action = self.home_action
 
     @classmethod
-    def of_arm(cls, arm: PlanarArm) -> "World":
-        """Return the usual task on a planar arm: home in an even arch, limits of half a turn."""
-        limits = np.full(arm.joints, np.pi)
-        return cls(arm.forward, arm.home(0.7), -limits, limits, arm.goal_grid())
+    def of_task(cls, task: ReachingTask) -> "World":
+        """Return the world in which the reaching task of the tables is learned."""
+        return cls(task.arm.forward, task.home_action, -task.limits, task.limits, task.goals)
 
     def clipped(self, actions: FloatArray) -> FloatArray:
         """Return actions, shape (..., m), within the limits."""

@@ -2,29 +2,32 @@
 
 import dataclasses
 
-import numpy as np
-
-from benchmarks import compiled_arm
+from benchmarks import compiled_reaching
+from benchmarks.configs import FAST
+from benchmarks.reaching import ReachingTask
+from bha_goal_babbling.babbler_config import GoalBabblerConfig
 from bha_goal_babbling.compiled_babbler import CompiledGoalBabbler
-from bha_goal_babbling.goal_babbler import GoalBabbler
-from bha_goal_babbling.planar_arm import PlanarArm
 
-JOINTS = 20
-USUAL, SMALL = 0.07, 0.0085  # reach d of a map [m]: about 150, and more than 10,000 maps
-
-ARM = PlanarArm(JOINTS)
+TASK = ReachingTask(20)
+SMALL = 0.0085  # reach d of a map [m] with which there come to be 10,000; usually there are 150
 
 
-def compiled_babbler(seed: int, distance: float = USUAL) -> CompiledGoalBabbler:
-    """Return a fresh learner in machine code with a reach of its maps [m]."""
-    config = dataclasses.replace(compiled_arm.FAST, map_distance=distance)
-    return compiled_arm.compiled_babbler(ARM, config, seed)
+def compiled_babbler(seed: int, config: GoalBabblerConfig = FAST) -> CompiledGoalBabbler:
+    """Return a fresh learner in machine code."""
+    return compiled_reaching.compiled_babbler(TASK, config, seed)
 
 
-def numpy_babbler(seed: int) -> GoalBabbler:
-    """Return a fresh learner of the reference."""
-    home, limits = ARM.home(), np.full(JOINTS, compiled_arm.LIMIT)
-    rng = np.random.default_rng(seed)
-    return GoalBabbler(
-        compiled_arm.FAST, ARM.goal_grid(), home, ARM.forward(home), -limits, limits, rng
+def with_maps(distance: float) -> GoalBabblerConfig:
+    """Return settings with another reach d of the maps [m], all else as usual."""
+    return dataclasses.replace(FAST, map_distance=distance)
+
+
+def in_proportion(distance: float) -> GoalBabblerConfig:
+    """Return settings with another reach d of the maps [m], noise and steps of a path to match."""
+    scale = distance / FAST.map_distance
+    return dataclasses.replace(
+        with_maps(distance),
+        path_steps=round(FAST.path_steps / scale),
+        noise_spread=FAST.noise_spread * scale,
+        noise_step=FAST.noise_step * scale,
     )

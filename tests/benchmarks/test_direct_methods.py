@@ -5,8 +5,7 @@ from benchmarks.methods.differential_inverse import DifferentialInverse, Differe
 from benchmarks.methods.direct_fit import DirectFit
 from benchmarks.methods.nearest_neighbour import NearestNeighbour
 from benchmarks.methods.world import World
-
-from bha_goal_babbling.planar_arm import PlanarArm
+from benchmarks.reaching import ReachingTask
 
 
 def test_direct_fit_answers_with_the_average_of_non_convex_solutions() -> None:
@@ -65,8 +64,8 @@ def test_differential_inverse_integrates_to_the_goals_of_a_linear_world() -> Non
 
 def test_nearest_neighbour_answers_with_executed_actions() -> None:
     """Each answer was executed, and no other that was came closer."""
-    arm = PlanarArm(5)
-    world = World.of_arm(arm)
+    task = ReachingTask(5)
+    world = World.of_task(task)
     executed = [world.home_action]
     forward = world._forward
     world._forward = lambda q: (executed.append(q), forward(q))[1]
@@ -74,5 +73,5 @@ def test_nearest_neighbour_answers_with_executed_actions() -> None:
     method.run(350)  # Some are in the tree, some still in the buffer.
     answers = method.inverse(world.goals)
     actions = np.array(executed)
-    gaps = np.linalg.norm(arm.forward(actions) - world.goals[:, np.newaxis], axis=2)
+    gaps = np.linalg.norm(task.arm.forward(actions) - world.goals[:, np.newaxis], axis=2)
     np.testing.assert_array_equal(answers, actions[gaps.argmin(axis=1)])

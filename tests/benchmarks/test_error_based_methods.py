@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from benchmarks.methods.distal_teacher import DistalTeacher, distal_step
 from benchmarks.methods.feedback_error import FeedbackErrorLearning, inverse_jacobian
-from benchmarks.methods.forward_model import ForwardModel
+from benchmarks.methods.forward_model import ForwardModel, ForwardModelSettings
 from benchmarks.methods.goal_features import GoalModel
 from benchmarks.methods.reward_weighted import RewardWeightedRegression, weighted_change
 from benchmarks.methods.world import World
@@ -32,7 +32,7 @@ def test_distal_step_is_the_numerical_gradient() -> None:
     """Through a learned forward model, with respect to the action and to a model's parameters."""
     rng = np.random.default_rng(1)
     arm = PlanarArm(3)
-    forward = ForwardModel(arm.home(), arm.forward(arm.home()), 1.0, 60, 1e-3, rng)
+    forward = ForwardModel(arm.home(), arm.forward(arm.home()), ForwardModelSettings(waves=60), rng)
     for action in arm.home() + rng.uniform(-0.5, 0.5, (300, 3)):
         forward.learn(action, arm.forward(action))
     goal, action = np.array([0.5, 0.2]), arm.home() + 0.1
@@ -63,7 +63,12 @@ def test_distal_step_is_the_numerical_gradient() -> None:
 @pytest.mark.parametrize("scale", [0.3, 3.0])
 def test_distal_teacher_inverts_a_linear_world_of_any_scale(scale: float) -> None:
     _, world = linear_world(scale)
-    method = DistalTeacher(world, np.random.default_rng(2), babbling=50, waves=20, length=5.0)
+    method = DistalTeacher(
+        world,
+        np.random.default_rng(2),
+        babbling=50,
+        forward_model=ForwardModelSettings(length=5.0, waves=20),
+    )
     before = world.error(method.inverse(GOALS))
     method.run(1500)
     assert world.error(method.inverse(GOALS)) < 0.05 * before

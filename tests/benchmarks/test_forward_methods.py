@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
-from benchmarks.methods.forward_model import ForwardModel
+from benchmarks.methods.forward_model import ForwardModel, ForwardModelSettings
 from benchmarks.methods.inverse_jacobian import follow_lines, resolved_step
 from benchmarks.methods.motor_babbling import MotorBabbling
 from benchmarks.methods.null_space_home import NullSpaceHome
 from benchmarks.methods.random_features import RandomFeatures
 from benchmarks.methods.world import World
+from benchmarks.reaching import ReachingTask
 from scipy.optimize import approx_fprime
 
 from bha_goal_babbling.planar_arm import PlanarArm
@@ -38,7 +39,9 @@ def test_forward_model_is_ridge_regression_on_all_examples(count: int) -> None:
     home = np.zeros(3)
     actions = rng.standard_normal((count, 3))
     outcomes = np.stack([np.sin(actions[:, 0]), actions[:, 1] * actions[:, 2]], axis=1)
-    model = ForwardModel(home, np.zeros(2), 1.0, 20, 0.1, np.random.default_rng(7))
+    model = ForwardModel(
+        home, np.zeros(2), ForwardModelSettings(1.0, 20, 0.1), np.random.default_rng(7)
+    )
     for part in np.array_split(np.arange(count), 5):
         for index in part:
             model.learn(actions[index], outcomes[index])
@@ -100,7 +103,9 @@ def test_methods_learn_the_pseudo_inverse_of_a_linear_world(
     method: type[MotorBabbling] | type[NullSpaceHome],
 ) -> None:
     forward, world = linear_world(np.random.default_rng(4))
-    learner = method(world, np.random.default_rng(0), waves=20, length=3.0)
+    learner = method(
+        world, np.random.default_rng(0), forward_model=ForwardModelSettings(length=3.0, waves=20)
+    )
     learner.run(400)
     assert world.samples == 400
     np.testing.assert_allclose(learner.inverse(world.goals), world.goals @ forward, atol=0.02)
@@ -110,7 +115,7 @@ def test_methods_learn_the_pseudo_inverse_of_a_linear_world(
 def test_methods_know_only_home_at_first(
     method: type[MotorBabbling] | type[NullSpaceHome],
 ) -> None:
-    world = World.of_arm(PlanarArm(3))
+    world = World.of_task(ReachingTask(3))
     actions = method(world, np.random.default_rng(0)).inverse(world.goals)
     np.testing.assert_array_equal(actions, np.tile(world.home_action, (len(world.goals), 1)))
 
@@ -119,12 +124,16 @@ def test_exploration_stays_near_home_only_with_the_pull() -> None:
     """Without the pull the redundant joints drift."""
 
     def drift(pull: float) -> float:
-        world = World.of_arm(PlanarArm(10))
+        world = World.of_task(ReachingTask(10))
         executed = []
         forward = world._forward
         world._forward = lambda q: (executed.append(q), forward(q))[1]
         learner = NullSpaceHome(
-            world, np.random.default_rng(0), home_pull=pull, waves=50, exploration=0.03
+            world,
+            np.random.default_rng(0),
+            home_pull=pull,
+            forward_model=ForwardModelSettings(waves=50),
+            exploration=0.03,
         )
         learner.run(600)
         return float(np.abs(np.array(executed)[-200:] - world.home_action).mean())

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from benchmarks.methods.sagg_riac import SaggRiac, SaggRiacPaths, competence_progress
+from benchmarks.methods.sagg_riac import SaggRiac, competence_progress
+from benchmarks.methods.sagg_riac_paths import SaggRiacPaths
 
 from bha_goal_babbling.target_source import TargetSource
 

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from benchmarks.methods.world import World
-
-from bha_goal_babbling.planar_arm import PlanarArm
+from benchmarks.reaching import ReachingTask
 
 
 def test_counts_samples_and_travel() -> None:
@@ -18,7 +17,7 @@ def test_counts_samples_and_travel() -> None:
 
 def test_refuses_what_exceeds_the_limits() -> None:
     """A method must know what it does."""
-    world = World.of_arm(PlanarArm(3))
+    world = World.of_task(ReachingTask(3))
     with pytest.raises(ValueError, match="limits"):
         world.execute(np.full(3, 4.0))
     assert world.samples == 0

@@ -1,5 +1,7 @@
 """Which goal comes next: one of a finite set, never the same twice running."""
 
+import math
+
 import numpy as np
 
 from bha_goal_babbling.arrays import FloatArray
@@ -34,6 +36,13 @@ class RandomGoalChoice:
             index = int(rng.integers(self._count - 1))
             self.last = index if index < self.last else index + 1
         return self.last
+
+    def report(self, goal: int, error: float) -> None:
+        """Pass over the error with which a goal was reached: it makes no difference to chance."""
+
+    def last_error(self, goal: int) -> float:
+        """Return inf: no account is kept of errors."""
+        return math.inf
 
 
 class LargestErrorChoice:

@@ -1,41 +1,17 @@
-"""Straight paths: from goal to goal in the space of outcomes, or home in the space of actions."""
-
-import math
+"""Targets along straight lines from goal to goal of a finite set."""
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bha_goal_babbling.arrays import FloatArray, matrix
-from bha_goal_babbling.errors import InvalidConfigError
+from bha_goal_babbling.arrays import FloatArray, matrix, vector
 from bha_goal_babbling.goal_choice import RandomGoalChoice
+from bha_goal_babbling.interest_choice import InterestGoalChoice
 from bha_goal_babbling.saved_state import SavedState
-
-
-def straight_line(start: FloatArray, end: FloatArray, steps: int) -> FloatArray:
-    """Return evenly spaced points from start (left out) to end (exactly met).
-
-    Parameters
-    ----------
-    start, end : array
-        Points in any unit, shape (n,).
-    steps : int
-        Number of points, at least 1.
-
-    Returns
-    -------
-    array
-        Shape (steps, n).
-    """
-    if steps < 1:
-        raise InvalidConfigError(f"a path needs at least 1 step, got {steps}")
-    share = np.arange(1, steps + 1)[:, np.newaxis] / steps
-    line = start + share * (end - start)
-    line[-1] = end
-    return line
+from bha_goal_babbling.straight_walk import StraightWalk
 
 
 class GoalPaths:
-    """Targets along straight lines between goals drawn at random from a finite set.
+    """Straight lines between goals; what chooses the next goal is told how the last was reached.
 
     Parameters
     ----------
@@ -43,18 +19,22 @@ class GoalPaths:
         The goal set, in the unit of outcomes, shape (G, n) with G >= 2.
     steps : int
         Number L of steps of a movement.
+    choice : RandomGoalChoice or InterestGoalChoice, optional
+        What chooses among as many goals; at random if it is not given.
     """
 
     kind = "goal_paths"
 
-    def __init__(self, goals: ArrayLike, steps: int) -> None:
+    def __init__(
+        self,
+        goals: ArrayLike,
+        steps: int,
+        choice: RandomGoalChoice | InterestGoalChoice | None = None,
+    ) -> None:
         self._goals = matrix("goals", goals)
-        self._choice = RandomGoalChoice(len(self._goals))
-        if steps < 1:
-            raise InvalidConfigError(f"a movement needs at least 1 step, got {steps}")
-        self._steps = steps
-        self._path = np.empty((0, self.size))
-        self._next = 0
+        self._choice = RandomGoalChoice(len(self._goals)) if choice is None else choice
+        self._walk = StraightWalk(self.size, steps)
+        self._outcome = np.zeros(self.size)
 
     @property
     def size(self) -> int:
@@ -66,50 +46,51 @@ class GoalPaths:
         """The goal set, shape (G, n), a copy."""
         return self._goals.copy()
 
+    @property
+    def goal_error(self) -> float:
+        """Last known error of the goal under way, in the unit of outcomes; inf when unknown."""
+        return self._choice.last_error(self._choice.last)
+
     def begin(
         self, target: FloatArray, outcome: FloatArray, rng: np.random.Generator
     ) -> FloatArray:
         """Start a line from the last target to a goal; see `TargetSource`."""
-        goal = self._goals[self._choice.choose(rng)]
-        self._path = straight_line(target, goal, self._steps)
-        self._next = 0
+        self._walk.begin(target, self._goals[self._choice.choose(rng)])
+        self._outcome = outcome.copy()
         return target
 
     def target(self) -> FloatArray:
         """Return the target of the present step, shape (n,)."""
-        point: FloatArray = self._path[self._next]
-        return point
-
-    @property
-    def goal_error(self) -> float:
-        """Infinite: no account is kept of errors."""
-        return math.inf
+        return self._walk.target
 
     def advance(self, outcome_step: FloatArray, outcome: FloatArray | None = None) -> bool:
-        """Go on to the next step and return whether the goal was the last."""
-        self._next += 1
-        return self._next == len(self._path)
+        """Go on to the next step and return whether the goal was the last.
+
+        Where the outcome is follows from its steps, so it need not be given.
+        """
+        self._outcome = self._outcome + outcome_step
+        arrived = self._walk.advance()
+        if arrived:
+            error = float(np.linalg.norm(self._outcome - self._walk.goal))
+            self._choice.report(self._choice.last, error)
+        return arrived
 
     def state(self) -> SavedState:
         """Return everything that `restore` needs."""
-        arrays = {"goals": self._goals.copy(), "path": self._path.copy()}
-        settings = {"steps": self._steps, "next": self._next, "last_goal": self._choice.last}
-        return SavedState(arrays, settings)
+        if isinstance(self._choice, RandomGoalChoice):
+            return self._walk.saved_in({"goals": self.goals}, {"last_goal": self._choice.last})
+        arrays = {"goals": self.goals, "outcome": self._outcome.copy()}
+        return self._walk.saved_in(arrays).joined(choice=self._choice.state())
 
     @classmethod
     def restore(cls, state: SavedState) -> "GoalPaths":
         """Return the source whose snapshot this is."""
-        paths = cls(state.arrays["goals"], int(state.settings["steps"]))
-        paths._path = matrix_or_empty(state.arrays["path"], paths.size)
-        paths._next = int(state.settings["next"])
-        if not 0 <= paths._next <= len(paths._path):
-            raise InvalidConfigError(f"path has {len(paths._path)} steps, next is {paths._next}")
-        paths._choice = RandomGoalChoice(len(paths._goals), int(state.settings["last_goal"]))
+        goals, settings = state.arrays["goals"], state.settings
+        steps = int(settings["steps"])
+        if "last_goal" in settings:
+            paths = cls(goals, steps, RandomGoalChoice(len(goals), int(settings["last_goal"])))
+        else:
+            paths = cls(goals, steps, InterestGoalChoice.restore(state.part("choice")))
+            paths._outcome = vector("outcome", state.arrays["outcome"], paths.size)
+        paths._walk = StraightWalk.restored_from(state, paths.size)
         return paths
-
-
-def matrix_or_empty(path: FloatArray, columns: int) -> FloatArray:
-    """Return a copy of a path, shape (L, columns), that may have no step at all."""
-    if path.shape == (0, columns):
-        return path.copy()
-    return matrix("path", path, columns)

@@ -9,11 +9,9 @@ share of the largest among all goals (interest measurement of Rayyes, Donat and 
 """
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from bha_goal_babbling.arrays import FloatArray, matrix
+from bha_goal_babbling.arrays import FloatArray
 from bha_goal_babbling.errors import InvalidConfigError
-from bha_goal_babbling.goal_paths import matrix_or_empty, straight_line
 from bha_goal_babbling.saved_state import SavedState
 
 
@@ -118,94 +116,6 @@ class InterestGoalChoice:
         choice._errors = errors.copy()
         choice.last = last
         return choice
-
-
-class InterestPaths:
-    """Targets along straight lines between goals of a finite set, chosen by interest.
-
-    Parameters
-    ----------
-    goals : array_like
-        The goal set, in the unit of outcomes, shape (G, n) with G >= 2.
-    steps : int
-        Number L of steps of a movement.
-    choice : InterestGoalChoice, optional
-        What chooses among as many goals; one with its own defaults if none is given.
-    """
-
-    kind = "interest_paths"
-
-    def __init__(
-        self, goals: ArrayLike, steps: int, choice: InterestGoalChoice | None = None
-    ) -> None:
-        self._goals = matrix("goals", goals)
-        if steps < 1:
-            raise InvalidConfigError(f"a movement needs at least 1 step, got {steps}")
-        self._choice = InterestGoalChoice(len(self._goals)) if choice is None else choice
-        self._steps = steps
-        self._path = np.empty((0, self.size))
-        self._next = 0
-        self._outcome = np.zeros(self.size)
-
-    @property
-    def size(self) -> int:
-        """Number n of coordinates of a target."""
-        return int(self._goals.shape[1])
-
-    @property
-    def goal_error(self) -> float:
-        """Last known error of the goal under way, in the unit of outcomes; inf when unknown."""
-        return self._choice.last_error(self._choice.last)
-
-    def begin(
-        self, target: FloatArray, outcome: FloatArray, rng: np.random.Generator
-    ) -> FloatArray:
-        """Start a line from the last target to a goal; see `TargetSource`."""
-        goal = self._goals[self._choice.choose(rng)]
-        self._path = straight_line(target, goal, self._steps)
-        self._next = 0
-        self._outcome = outcome.copy()
-        return target
-
-    def target(self) -> FloatArray:
-        """Return the target of the present step, shape (n,)."""
-        point: FloatArray = self._path[self._next]
-        return point
-
-    def advance(self, outcome_step: FloatArray, outcome: FloatArray | None = None) -> bool:
-        """Go on to the next step and return whether the goal was the last.
-
-        Where the outcome is follows from its steps, so it need not be given.
-        """
-        self._outcome = self._outcome + outcome_step
-        self._next += 1
-        if self._next < len(self._path):
-            return False
-        error = float(np.linalg.norm(self._outcome - self._path[-1]))
-        self._choice.report(self._choice.last, error)
-        return True
-
-    def state(self) -> SavedState:
-        """Return everything that `restore` needs."""
-        arrays = {
-            "goals": self._goals.copy(),
-            "path": self._path.copy(),
-            "outcome": self._outcome.copy(),
-        }
-        settings = {"steps": self._steps, "next": self._next}
-        return SavedState(arrays, settings).joined(choice=self._choice.state())
-
-    @classmethod
-    def restore(cls, state: SavedState) -> "InterestPaths":
-        """Return the source whose snapshot this is."""
-        choice = InterestGoalChoice.restore(state.part("choice"))
-        paths = cls(state.arrays["goals"], int(state.settings["steps"]), choice)
-        paths._path = matrix_or_empty(state.arrays["path"], paths.size)
-        paths._outcome = state.arrays["outcome"].copy()
-        paths._next = int(state.settings["next"])
-        if not 0 <= paths._next <= len(paths._path):
-            raise InvalidConfigError(f"path has {len(paths._path)} steps, next is {paths._next}")
-        return paths
 
 
 def _share_of_largest(values: FloatArray) -> FloatArray:

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 from bha_goal_babbling.arrays import FloatArray, matrix, vector
 from bha_goal_babbling.errors import InvalidConfigError
 from bha_goal_babbling.goal_choice import LargestErrorChoice
-from bha_goal_babbling.goal_paths import matrix_or_empty, straight_line
 from bha_goal_babbling.saved_state import SavedState
+from bha_goal_babbling.straight_walk import StraightWalk
 
 
 class MonitoredGoalPaths:
@@ -46,18 +46,14 @@ class MonitoredGoalPaths:
         self._goals = matrix("goals", goals)
         if len(self._goals) < 2:
             raise InvalidConfigError(f"the goal set must hold at least 2 goals, got {self._goals}")
-        if steps < 1:
-            raise InvalidConfigError(f"a movement needs at least 1 step, got {steps}")
         if abort_distance is not None and not abort_distance > 0:
             raise InvalidConfigError(f"abort_distance must be above 0 or None: {abort_distance}")
         home = vector("home_outcome", home_outcome, self.size)
         self._errors: FloatArray = np.linalg.norm(self._goals - home, axis=1)
         self._choice = LargestErrorChoice(candidates)
         self._candidates = candidates
-        self._steps = steps
         self._abort_distance = abort_distance
-        self._path = np.empty((0, self.size))
-        self._next = 0
+        self._walk = StraightWalk(self.size, steps)
         self._aborted = False
 
     @property
@@ -85,23 +81,18 @@ class MonitoredGoalPaths:
     ) -> FloatArray:
         """Start a line to a goal, from the last target or, after giving up, the last outcome."""
         start = outcome if self._aborted else target
-        self._path = straight_line(
-            start, self._goals[self._choice.choose(self._errors, rng)], self._steps
-        )
-        self._next = 0
+        self._walk.begin(start, self._goals[self._choice.choose(self._errors, rng)])
         self._aborted = False
         return start
 
     def target(self) -> FloatArray:
         """Return the target of the present step, shape (n,)."""
-        point: FloatArray = self._path[self._next]
-        return point
+        return self._walk.target
 
     def advance(self, outcome_step: FloatArray, outcome: FloatArray | None = None) -> bool:
         """Go on to the next step and return whether the goal was the last or the path given up."""
         error = np.inf if outcome is None else float(np.linalg.norm(outcome - self.target()))
-        self._next += 1
-        arrived = self._next == len(self._path)
+        arrived = self._walk.advance()
         self._aborted = (
             outcome is not None
             and self._abort_distance is not None
@@ -113,16 +104,14 @@ class MonitoredGoalPaths:
 
     def state(self) -> SavedState:
         """Return everything that `restore` needs."""
-        arrays = {"goals": self.goals, "errors": self.errors, "path": self._path.copy()}
+        arrays = {"goals": self.goals, "errors": self.errors}
         settings = {
-            "steps": self._steps,
             "candidates": self._candidates,
             "abort_distance": self._abort_distance,
-            "next": self._next,
             "last_goal": self._choice.last,
             "aborted": self._aborted,
         }
-        return SavedState(arrays, settings)
+        return self._walk.saved_in(arrays, settings)
 
     @classmethod
     def restore(cls, state: SavedState) -> "MonitoredGoalPaths":
@@ -137,13 +126,10 @@ class MonitoredGoalPaths:
             settings["abort_distance"],
         )
         paths._errors = vector("errors", arrays["errors"], len(goals))
-        paths._path = matrix_or_empty(arrays["path"], paths.size)
-        paths._next, last = int(settings["next"]), int(settings["last_goal"])
-        if not (0 <= paths._next <= len(paths._path) and -1 <= last < len(goals)):
-            raise InvalidConfigError(
-                f"path has {len(paths._path)} steps, next is {paths._next}; "
-                f"there are {len(goals)} goals, the last is {last}"
-            )
+        last = int(settings["last_goal"])
+        if not -1 <= last < len(goals):
+            raise InvalidConfigError(f"there are {len(goals)} goals, the last is {last}")
+        paths._walk = StraightWalk.restored_from(state, paths.size)
         paths._choice = LargestErrorChoice(paths._candidates, last)
         paths._aborted = bool(settings["aborted"])
         return paths

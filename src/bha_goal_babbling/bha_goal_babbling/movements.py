@@ -7,17 +7,18 @@ import numpy as np
 from bha_goal_babbling.arrays import FloatArray, vector
 from bha_goal_babbling.direction_sampling import DirectionTargets
 from bha_goal_babbling.errors import InvalidConfigError
-from bha_goal_babbling.goal_paths import GoalPaths, matrix_or_empty, straight_line
-from bha_goal_babbling.interest_choice import InterestPaths
+from bha_goal_babbling.goal_paths import GoalPaths
 from bha_goal_babbling.monitored_paths import MonitoredGoalPaths
 from bha_goal_babbling.saved_state import SavedState
+from bha_goal_babbling.straight_walk import matrix_or_empty, straight_line
 from bha_goal_babbling.target_source import TargetSource
 
 _RESTORE: dict[str, Callable[[SavedState], TargetSource]] = {
     GoalPaths.kind: GoalPaths.restore,
     MonitoredGoalPaths.kind: MonitoredGoalPaths.restore,
     DirectionTargets.kind: DirectionTargets.restore,
-    InterestPaths.kind: InterestPaths.restore,
+    # What paths with interest were called in older snapshots.
+    "interest_paths": GoalPaths.restore,
 }
 
 

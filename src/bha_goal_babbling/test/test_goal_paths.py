@@ -1,33 +1,12 @@
-"""Straight paths: ends, spacing, order of goals."""
+"""Straight paths: how they link up, order of goals, snapshots."""
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from bha_goal_babbling.errors import InvalidArrayError, InvalidConfigError
-from bha_goal_babbling.goal_paths import GoalPaths, straight_line
+from bha_goal_babbling.goal_paths import GoalPaths
 
-points = st.lists(st.floats(-10, 10), min_size=3, max_size=3).map(np.array)
 GOALS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
-
-
-@given(points, points, st.integers(1, 40))
-def test_line_leaves_out_the_start_and_meets_the_end(
-    start: np.ndarray, end: np.ndarray, steps: int
-) -> None:
-    """L points, evenly spaced, the last exactly the end."""
-    line = straight_line(start, end, steps)
-    assert line.shape == (steps, 3)
-    np.testing.assert_array_equal(line[-1], end)
-    gaps = np.diff(np.vstack([start, line]), axis=0)
-    np.testing.assert_allclose(gaps, np.tile((end - start) / steps, (steps, 1)), atol=1e-12)
-
-
-def test_line_needs_a_step() -> None:
-    """A path without steps is none."""
-    with pytest.raises(InvalidConfigError, match="at least 1 step"):
-        straight_line(np.zeros(2), np.ones(2), 0)
 
 
 def test_movements_link_up() -> None:

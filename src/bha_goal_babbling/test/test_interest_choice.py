@@ -6,8 +6,11 @@ import pytest
 from bha_goal_babbling.babbler_config import GoalBabblerConfig
 from bha_goal_babbling.errors import InvalidConfigError
 from bha_goal_babbling.goal_babbler import GoalBabbler
-from bha_goal_babbling.interest_choice import InterestGoalChoice, InterestPaths
+from bha_goal_babbling.goal_paths import GoalPaths
+from bha_goal_babbling.interest_choice import InterestGoalChoice
+from bha_goal_babbling.movements import Movements, restored_targets
 from bha_goal_babbling.planar_arm import PlanarArm
+from bha_goal_babbling.saved_state import SavedState
 
 
 def reported(errors: list[list[float]], **settings: float) -> InterestGoalChoice:
@@ -70,7 +73,7 @@ def test_paths_report_how_far_off_the_goal_they_ended() -> None:
     """The error of the goal just visited is the distance of the outcome from it."""
     goals = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
     choice, rng = InterestGoalChoice(3), np.random.default_rng(0)
-    paths = InterestPaths(goals, 2, choice)
+    paths = GoalPaths(goals, 2, choice)
     outcome = np.array([0.5, 0.5])
     paths.begin(outcome, outcome, rng)
     assert paths.goal_error == np.inf
@@ -86,11 +89,11 @@ def test_paths_report_how_far_off_the_goal_they_ended() -> None:
 def test_a_restored_learner_chooses_the_same_goals() -> None:
     """A snapshot in the middle of a movement continues bit for bit."""
     arm = PlanarArm(3)
-    home, limits = arm.home(), np.full(3, np.pi)
+    goals, home, limits = arm.goal_grid(), arm.home(), np.full(3, np.pi)
     config = GoalBabblerConfig(path_steps=5)
     babbler = GoalBabbler(
         config,
-        InterestPaths(arm.goal_grid(), config.path_steps),
+        GoalPaths(goals, config.path_steps, InterestGoalChoice(len(goals))),
         home,
         arm.forward(home),
         -limits,
@@ -121,5 +124,20 @@ def test_refuses_impossible_settings(settings: dict) -> None:
     """There must be something to choose from, and to compare."""
     with pytest.raises(InvalidConfigError, match="must be"):
         InterestGoalChoice(**settings)
-    with pytest.raises(InvalidConfigError, match="at least 1 step"):
-        InterestPaths(np.eye(2), 0)
+
+
+def test_older_snapshots_have_a_name_of_their_own() -> None:
+    """They called paths whose goals are chosen by interest "interest_paths"."""
+    goals, rng = np.eye(3), np.random.default_rng(0)
+    movements = Movements(
+        GoalPaths(goals, 4, InterestGoalChoice(3)),
+        np.zeros(2),
+        goals[0],
+        home_probability=0.0,
+        home_steps=4,
+    )
+    movements.prepare(np.zeros(2), goals[0], rng)
+    movements.advance(np.zeros(3))
+    state = movements.state()
+    older = SavedState(state.arrays, {**state.settings, "targets_kind": "interest_paths"})
+    np.testing.assert_array_equal(restored_targets(older).target(), movements.target)
