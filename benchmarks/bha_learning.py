@@ -18,9 +18,8 @@ from benchmarks.bha_runs import (
     held_out,
     offsets,
     task_of,
-    with_setting,
 )
-from benchmarks.experiment import Figures, Run, Settings
+from benchmarks.experiment import Figures, Run, Settings, runs_with
 from bha_bringup.in_process import InProcessRobot
 
 if TYPE_CHECKING:
@@ -96,7 +95,7 @@ def rows_of(runs: Sequence[Run]) -> list[dict[str, Any]]:
     """Return a row for every method and time."""
     rows: list[dict[str, Any]] = []
     for method in METHODS:
-        members = with_setting(runs, method=method)
+        members = runs_with(runs, method=method)
         if not members:
             continue
         each, along = distances(members), along_directions(members)
@@ -122,7 +121,7 @@ def rows_of(runs: Sequence[Run]) -> list[dict[str, Any]]:
 
 def robots_after(runs: Sequence[Run], method: str, minute: float) -> Array | None:
     """Return the mean error of every robot [mm] after a time; None if it was not measured."""
-    members = with_setting(runs, method=method)
+    members = runs_with(runs, method=method)
     if not members or minute not in members[0].figures["minutes"]:
         return None
     index = members[0].figures["minutes"].index(minute)
@@ -133,7 +132,7 @@ def draw(runs: Sequence[Run], figure: Figure) -> None:
     """Draw the error over exploration time, and where it points to."""
     left, right = figure.subplots(1, 2)
     for method, colour in COLOURS.items():
-        members = with_setting(runs, method=method)
+        members = runs_with(runs, method=method)
         if not members:
             continue
         minutes = members[0].figures["minutes"]

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.experiment import Run
 from bha_bringup.in_process import InProcessRobot
 from bha_goal_babbling.goal_babbler import GoalBabbler
 from bha_goal_babbling.task import Task, find_task
@@ -84,15 +83,6 @@ def copy_of_learned(robot: InProcessRobot) -> GoalBabbler:
     babbler = robot.learner.babbler
     assert babbler is not None
     return GoalBabbler.restore(babbler.state())
-
-
-def with_setting(runs: Sequence[Run], **settings: Any) -> list[Run]:
-    """Return the runs whose settings have these values."""
-    return [
-        run
-        for run in runs
-        if all(run.settings[name] == value for name, value in settings.items())
-    ]
 
 
 def draw_spread(axes: Axes, x: Sequence[float], values: Array, colour: str, label: str) -> None:

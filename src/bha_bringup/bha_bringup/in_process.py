@@ -129,15 +129,31 @@ class InProcessRobot:
             raise RuntimeError(self.learner.failure)
 
     def reach_with_feedback(
-        self, tip: Array, settings: FeedbackSettings | None = None
+        self,
+        tip: Array,
+        settings: FeedbackSettings | None = None,
+        watch: Callable[[], None] | None = None,
     ) -> GoalIntegrator:
-        """Go to a goal (3,) [m], corrected by the tip as it is seen, and tell what came of it."""
+        """Go to a goal (3,) [m], corrected by the tip as it is seen, and tell what came of it.
+
+        Parameters
+        ----------
+        tip : The goal [m], shape (3,).
+        settings : Of the feedback; None takes the defaults.
+        watch : Called after every control period.
+        """
         settings = settings or FeedbackSettings()
         self.learner.go_to(tip)
         integrator = self._integrator = GoalIntegrator(
             settings, tip, axes=self.learner.task.outcome_size, start=self.time
         )
-        self.run_until(lambda: integrator.done, limit=settings.timeout + 1.0)
+
+        def over() -> bool:
+            if watch is not None:
+                watch()
+            return integrator.done
+
+        self.run_until(over, limit=settings.timeout + 1.0)
         self._integrator = None
         return integrator
 

@@ -15,7 +15,7 @@ _LONGEST_STEP = 1.0  # [s] over which one tip is integrated; beyond that it was 
 _SMOOTHING = 0.5  # [s] over which the error is averaged before its direction is trusted
 _CHECK_PERIOD = 1.0  # [s] between two looks at where the error has gone
 _SLOWEST = 0.02  # [1/s] gain that no trunk is too slow for
-_WORSE = 1.5  # times the least error, and the tolerance more: the corrections lead away
+_WORSE = 1.5  # times the first error, and the tolerance twice more: the corrections lead away
 
 
 @dataclass(frozen=True)
@@ -54,8 +54,8 @@ class GoalIntegrator:
     neither tau nor how far the tip goes with its target is known. So the gain is a wish: whenever
     the error has turned against itself, by more than the tolerance on both sides, the gain is
     halved for the rest of the movement (Kesten, "Accelerated stochastic approximation", 1958), and
-    when the corrections have led away from the goal, they go back to the best one as well.
-    Whatever the settings, what swings or runs away soon does so no more.
+    when the corrections have led farther away than feed-forward control was, they are taken back
+    as well. Whatever the settings, what swings or runs away soon does so no more.
 
     Anti-windup: the correction is limited in size and speed, and stands still in the coordinates
     that do not count.
@@ -90,7 +90,7 @@ class GoalIntegrator:
         self._smooth: Array | None = None  # error, averaged
         self._checked: Array | None = None  # what it was at the last check
         self._next_check = start + settings.feedforward_time
-        self._best = (np.inf, self._correction)
+        self._first = np.inf  # error at the first check
         self._going_back = False
         self.goal = goal
         self.error = float("nan")
@@ -135,7 +135,7 @@ class GoalIntegrator:
             self._watch(time, period, error)
             wanted = self.gain * period * error
             if self._going_back:
-                wanted = self._best[1] - self._correction
+                wanted = -self._correction
             motion = _limited(wanted, self._settings.max_speed * period)
             self._correction = _limited(self._correction + motion, self._settings.max_correction)
         return self.target
@@ -150,9 +150,9 @@ class GoalIntegrator:
         self._next_check = time + _CHECK_PERIOD
         before, now = self._checked, self._smooth
         size = float(np.linalg.norm(now))
-        if size < self._best[0]:
-            self._best = (size, self._correction)
-        worse = size > _WORSE * self._best[0] + 2.0 * self._tolerance
+        if before is None:
+            self._first = size
+        worse = size > _WORSE * self._first + 2.0 * self._tolerance
         if worse and not self._going_back:
             self._slow_down()
         self._going_back = worse
