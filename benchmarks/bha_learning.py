@@ -73,7 +73,8 @@ def run(seed: int, *, space: str, method: str, minutes: list[float], goals: int)
 
 def distances(runs: Sequence[Run]) -> Array:
     """Return the error [mm] of robots, after times, at goals: shape (R, T, G)."""
-    return 1e3 * np.linalg.norm([run.figures["offsets [m]"] for run in runs], axis=3)
+    each = np.array([run.figures["offsets [m]"] for run in runs])
+    return np.asarray(1e3 * np.linalg.norm(each, axis=3))
 
 
 def along_directions(runs: Sequence[Run]) -> Array:

@@ -52,11 +52,13 @@ def plan(quick: bool) -> Sequence[Settings]:
 def disturbances(name: str, rng: np.random.Generator) -> Disturbances:
     """Return what is meant by one of `DISTURBANCES`, on bellows drawn at random."""
     field, value, count = DISTURBANCES[name]
-    if not count:
-        return Disturbances(**{field: value})
-    chosen = rng.choice(bellows.NAMES, count, replace=False)
     given: Any = True if field == "stuck_valves" else value
-    return Disturbances(**{field: {str(each): given for each in chosen}})
+    what: dict[str, Any] = {field: given}
+    if not count:
+        return Disturbances(**what)
+    chosen = rng.choice(bellows.NAMES, count, replace=False)
+    what[field] = {str(each): given for each in chosen}
+    return Disturbances(**what)
 
 
 def run(seed: int, *, disturbance: str, learned: float, after: list[float], goals: int) -> Figures:
