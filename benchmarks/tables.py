@@ -19,6 +19,11 @@ NAMES = (
     "baselines",
     "bha-plant",
     "bha-control",
+    "bha-2d",
+    "bha-3d",
+    "bha-feedback",
+    "bha-range",
+    "bha-use",
 )
 """In the order of `list`; the table NAME is the module benchmarks.NAME, dashes as underscores."""
 

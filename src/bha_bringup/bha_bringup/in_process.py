@@ -6,13 +6,15 @@ graph, bit for bit; it serves experiments over many robots.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bha_cartesian_feedback.goal_integrator import FeedbackSettings, GoalIntegrator
 from bha_common.command_gate import CommandGate, SafetySettings
-from bha_goal_babbling.learner import Learner
+from bha_goal_babbling.learner import Learner, RefusedError
 from bha_goal_babbling.learner_settings import LearnerSettings
 from bha_goal_babbling.reach import ReachResult
 from bha_goal_babbling.task import Task
@@ -22,6 +24,8 @@ from bha_sim.plant import Plant
 from bha_sim.robot_parameters import RobotParameters, draw_robot, load_parameters
 
 Array = NDArray[np.float64]
+
+_TRACKER = 2  # sets the tracker's noise apart from everything else that a seed draws
 
 
 class InProcessRobot:
@@ -33,6 +37,7 @@ class InProcessRobot:
     seed : Draws the robot, its noise, the identification and the exploration.
     parameters : The mean robot; None takes the one of bha_sim.
     tip_period : Time between two positions of the tip [s].
+    tip_noise : Standard deviation of each coordinate of the tip as the tracker sees it [m].
     learner_settings, control_settings : None takes the defaults, with `seed`.
     model : Equilibrium model of the pressure controller; None starts without.
     """
@@ -44,6 +49,7 @@ class InProcessRobot:
         seed: int = 0,
         parameters: RobotParameters | None = None,
         tip_period: float = 0.1,
+        tip_noise: float = 0.0,
         learner_settings: LearnerSettings | None = None,
         control_settings: PressureControlSettings | None = None,
         model: EquilibriumModel | None = None,
@@ -60,6 +66,9 @@ class InProcessRobot:
         self._period_ns = round(period * 1e9)
         self._command_ns = round(learner_settings.command_period * 1e9)
         self._tip_ns = round(tip_period * 1e9)
+        self._tip_noise = tip_noise
+        self._tracker = np.random.default_rng([seed, _TRACKER])
+        self._integrator: GoalIntegrator | None = None
         self.tick = 0
 
     @property
@@ -77,7 +86,12 @@ class InProcessRobot:
         now = self._now
         time = now * 1e-9
         if now % self._tip_ns == 0:
-            self.learner.see_tip(now, state.tip)
+            tip = state.tip
+            if self._tip_noise:
+                tip = tip + self._tip_noise * self._tracker.standard_normal(3)
+            self.learner.see_tip(now, tip)
+            if self._integrator is not None:
+                self._correct(time, tip)
         self.learner.see_lengths(now, state.lengths)
         if now % self._command_ns == 0:
             command = self.learner.update(now)
@@ -113,6 +127,40 @@ class InProcessRobot:
         self.run_until(lambda: self.learner.session is None, limit=duration + 60.0)
         if self.learner.failure:
             raise RuntimeError(self.learner.failure)
+
+    def reach_with_feedback(
+        self,
+        tip: Array,
+        settings: FeedbackSettings | None = None,
+        watch: Callable[[], None] | None = None,
+    ) -> GoalIntegrator:
+        """Go to a goal (3,) [m], corrected by the tip as it is seen, and tell what came of it.
+
+        Parameters
+        ----------
+        tip : The goal [m], shape (3,).
+        settings : Of the feedback; None takes the defaults.
+        watch : Called after every control period.
+        """
+        settings = settings or FeedbackSettings()
+        self.learner.go_to(tip)
+        integrator = self._integrator = GoalIntegrator(
+            settings, tip, axes=self.learner.task.outcome_size, start=self.time
+        )
+
+        def over() -> bool:
+            if watch is not None:
+                watch()
+            return integrator.done
+
+        self.run_until(over, limit=settings.timeout + 1.0)
+        self._integrator = None
+        return integrator
+
+    def _correct(self, time: float, tip: Array) -> None:
+        assert self._integrator is not None
+        with contextlib.suppress(RefusedError):  # far outside: as in the graph the last one holds
+            self.learner.follow(self._integrator.update(time, tip))
 
     def reach(self, tip: Array) -> ReachResult:
         """Go to a goal (3,) [m], feed-forward, and tell what came of it."""

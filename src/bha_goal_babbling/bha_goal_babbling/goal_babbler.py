@@ -205,6 +205,27 @@ class GoalBabbler:
         if over and learn and not self._movements.going_home:
             self._error.add(math.sqrt(float(miss.dot(miss))))
 
+    def practise(self, action: ArrayLike, outcome: ArrayLike) -> None:
+        """Learn an example that came of somebody else's goal, and stay at the present step.
+
+        Nothing is known of what was intended, so it is weighted like a step towards home: by what
+        it has moved since the example before.
+
+        Parameters
+        ----------
+        action, outcome : array_like
+            What was measured, shape (m,), and what came of it, shape (n,).
+
+        Raises
+        ------
+        InvalidArrayError
+            If a shape is wrong or a number is not finite.
+        """
+        action = vector("action", action, self._home_action.size)
+        outcome = vector("outcome", outcome, self._home_outcome.size)
+        self._learned.learn(action, outcome, action - self._action, outcome - self._outcome, None)
+        self._action, self._outcome = action, outcome
+
     def inverse(self, goal: ArrayLike) -> FloatArray:
         """Return g(x*) without noise, within the limits.
 

@@ -15,6 +15,7 @@ from bha_goal_babbling.errors import GoalBabblingError
 from bha_goal_babbling.goal_babbler import GoalBabbler
 from bha_goal_babbling.learner_settings import LearnerSettings
 from bha_goal_babbling.observation_window import Observation, ObservationWindow
+from bha_goal_babbling.practice import Practice
 from bha_goal_babbling.reach import Reach
 from bha_goal_babbling.task import Task
 
@@ -54,6 +55,7 @@ class Learner:
         self._rng = np.random.default_rng(settings.seed)
         self._session: BabblingSession | None = None
         self._reach: Reach | None = None
+        self._practice = Practice(task, settings)
         self._goal: FloatArray | None = None
         self._command: FloatArray | None = None
         self._stopped = False
@@ -90,6 +92,11 @@ class Learner:
         return self._failure
 
     @property
+    def practised(self) -> int:
+        """Number of examples learned from goals of others."""
+        return self._practice.examples
+
+    @property
     def newest_tip(self) -> int | None:
         """Time of the newest tip [ns]; None when none was seen lately."""
         return self._window.newest_tip
@@ -122,10 +129,8 @@ class Learner:
             self._command = observation.lengths
         if self._session is not None:
             self._babble(observation)
-        elif self._reach is not None:
-            self._reach.update(observation.tip)
-            if self._reach.result is not None:
-                self._reach = None
+        else:
+            self._use(observation)
         return self._command
 
     def babble(self, duration: float, *, restart: bool = False) -> BabblingSession:
@@ -187,6 +192,7 @@ class Learner:
                 raise RefusedError(f"{name} must be 0 or above, got {value}")
         self._command = self._inverse(goal)
         self._resting = self.HOLDING
+        self._practice.begin()
         self._goal = goal
         self._reach = Reach(self.task, self.settings, goal, tolerance, timeout)
         return self._reach
@@ -211,10 +217,12 @@ class Learner:
         self._reach = None
         self._goal = goal
         self._resting = self.HOLDING
+        self._practice.begin()
         self._command = command
 
     def halt(self) -> None:
         """End babbling or a movement; what was learned stays, and the last command holds."""
+        self._practice.end()
         if self._session is not None:
             self._end_session()
         self._reach = None
@@ -273,6 +281,15 @@ class Learner:
             return
         self.babbler = session.babbler
         self.exploration_time += self.settings.command_period
+
+    def _use(self, observation: Observation) -> None:
+        """Watch a robot that moves to goals of others, and learn from it when that is wanted."""
+        if self.settings.learn_in_use and self.babbler is not None and not self._stopped:
+            self._practice.see(self.babbler, observation)
+        if self._reach is not None:
+            self._reach.update(observation.tip)
+            if self._reach.result is not None:
+                self._reach = None
 
     def _end_session(self) -> None:
         self._session = None

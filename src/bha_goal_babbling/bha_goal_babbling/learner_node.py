@@ -288,6 +288,7 @@ class LearnerNode(BhaNode):
             "task": learner.task.name,
             "exploration time [s]": f"{learner.exploration_time:.0f}",
             "movements": str(learner.babbler.movements if learner.babbler else 0),
+            "examples in use": str(learner.practised),
         }
         now, tip = self._robot_clock.now, learner.newest_tip
         if now is None:

@@ -31,6 +31,12 @@ class LearnerSettings:
     reach_timeout: float = setting(
         20.0, "Time after which a movement to a goal ends in any case [s]", low=0.5, high=3600.0
     )
+    learn_in_use: bool = setting(
+        False, "Whether movements to goals that others send are learned from as well"
+    )
+    use_step: float = setting(
+        0.01, "Motion of the tip between two examples of a robot in use [m]", low=1e-3
+    )
     seed: int = setting(0, "Seed of the exploration", low=0)
 
     def __post_init__(self) -> None:

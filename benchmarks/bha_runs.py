@@ -1,0 +1,91 @@
+"""What the tables of the learner on the trunk share: robots that learn, goals, and errors."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bha_bringup.in_process import InProcessRobot
+from bha_goal_babbling.goal_babbler import GoalBabbler
+from bha_goal_babbling.task import Task, find_task
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+
+RLS, GRADIENT = "RLS goal babbling", "goal babbling"
+METHODS = (RLS, GRADIENT)
+COLOURS = {RLS: "#0072b2", GRADIENT: "#d55e00"}
+
+_GRADIENT: dict[str, Any] = {
+    "model": "local_linear_maps",
+    "learning_rate": 0.6,
+    "efficiency": "plain",
+    "efficiency_limit": 1.0,
+    "noise_spread": 0.007,
+    "noise_step": 0.007,
+    "noise_per_error": None,
+    "path_steps": 10,
+    "goal_candidates": 1,
+    "abort_distance": None,
+}
+"""The article's method as it did best on robots 0 to 2: what differs from the task files."""
+
+
+def task_of(space: str, method: str = RLS) -> Task:
+    """Return a task of the trunk, to be learned by one of `METHODS`."""
+    task = find_task(space)
+    if method == RLS:
+        return task
+    return dataclasses.replace(task, config=dataclasses.replace(task.config, **_GRADIENT))
+
+
+def held_out(task: Task, seed: int, count: int) -> Array:
+    """Return goals that are no goals of the babbling [m], shape (count, 3)."""
+    return task.held_out_positions(count, np.random.default_rng([seed, 1]))
+
+
+def offsets(robot: InProcessRobot, goals: Array) -> Array:
+    """Go to goals (N, 3) [m] feed-forward; tip less goal at the end [m], shape (N, n).
+
+    It is the true tip, whatever the tracker sees.
+    """
+    task = robot.learner.task
+    rows = []
+    for goal in goals:
+        robot.reach(goal)
+        rows.append(task.outcome(robot.plant.state.tip) - task.outcome(goal))
+    return np.array(rows)
+
+
+def errors(robot: InProcessRobot, goals: Array) -> Array:
+    """Go to goals (N, 3) [m] feed-forward; distances of the tip at the end [m], shape (N,)."""
+    return np.asarray(np.linalg.norm(offsets(robot, goals), axis=1))
+
+
+def frozen_errors(robot: InProcessRobot, goals: Array, frozen: GoalBabbler) -> Array:
+    """Return the same with what was learned before, and go on with what the robot has learned."""
+    learned, time = robot.learner.babbler, robot.learner.exploration_time
+    assert learned is not None
+    robot.learner.use(frozen)
+    found = errors(robot, goals)
+    robot.learner.use(learned, time)
+    return found
+
+
+def copy_of_learned(robot: InProcessRobot) -> GoalBabbler:
+    """Return a copy of what the robot has learned that learns nothing more."""
+    babbler = robot.learner.babbler
+    assert babbler is not None
+    return GoalBabbler.restore(babbler.state())
+
+
+def draw_spread(axes: Axes, x: Sequence[float], values: Array, colour: str, label: str) -> None:
+    """Draw the mean of robots (rows of values) over x, and the range of the robots."""
+    axes.plot(x, values.mean(axis=0), color=colour, marker="o", markersize=3, label=label)
+    axes.fill_between(x, values.min(axis=0), values.max(axis=0), color=colour, alpha=0.15)
