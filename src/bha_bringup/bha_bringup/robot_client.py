@@ -36,7 +36,7 @@ from bha_common.ros_node import CONTROL_QOS, WATCHER_QOS
 
 Array = NDArray[np.float64]
 LEARNER, CONTROLLER = "learner", "pressure_ctrl"
-FEEDBACK, SIMULATOR = "cartesian_feedback", "simulator"
+FEEDBACK, SIMULATOR, DRIVER = "cartesian_feedback", "simulator", "driver"
 
 _CALL_TIMEOUT = 10.0
 
@@ -174,9 +174,11 @@ class RobotClient:
             raise RobotError(f"no commands of the learner reach the controller in {timeout:g} s")
 
     def _is_chained(self) -> bool:
-        """Whether commands flow; from a paused robot nothing flows, and that is well."""
-        simulator = self.diagnostics.get(SIMULATOR)
+        """Whether commands flow; from a robot that is paused or not connected nothing can."""
+        simulator, driver = self.diagnostics.get(SIMULATOR), self.diagnostics.get(DRIVER)
         if simulator is not None and simulator.message == "paused":
+            return True
+        if driver is not None and driver.message.startswith("unconfigured"):
             return True
         controller = self.diagnostics.get(CONTROLLER)
         return controller is not None and any(

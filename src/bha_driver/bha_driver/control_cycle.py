@@ -71,8 +71,9 @@ class ControlCycle:
             self._terminal.connect()
             self._safety.link_made(time, intact=False)
             return self._look(time)
-        except TerminalError:
+        except TerminalError as error:
             self._terminal.close()
+            self._safety.link_failed(time, str(error))
             raise
 
     def activate(self, time: float) -> str:
@@ -126,6 +127,7 @@ class ControlCycle:
         while self._safety.pressing and self.write(clock(), ending=True):
             wait(0.02)
         self._terminal.close()
+        self._safety.link_failed(clock(), "closed")
 
     def _look(self, time: float) -> Reading:
         block = self._terminal.read()
