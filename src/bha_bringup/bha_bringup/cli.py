@@ -20,7 +20,7 @@ from rich.table import Table
 from bha_bringup.demo import run_demo
 from bha_bringup.demo_record import DemoRecord
 from bha_bringup.demo_settings import DemoSettings
-from bha_bringup.graph import EMULATED, HARDWARE, ROBOTS, SIM, GraphSettings, describe_graph
+from bha_bringup.graph import HARDWARE, ROBOTS, SIM, GraphSettings, describe_graph
 from bha_bringup.graph_lock import owning_graph, stop_owner
 from bha_bringup.graph_processes import GraphError, GraphProcesses
 from bha_bringup.report import error_table, write_report

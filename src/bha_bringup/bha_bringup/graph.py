@@ -144,12 +144,17 @@ def _robot(settings: GraphSettings) -> list[NodeDescription]:
     terminal = "" if settings.terminal is None else str(settings.terminal)
     if settings.robot == HARDWARE:
         # A person says when it may press: bha driver activate.
-        driver = {"terminal": terminal, "autostart": "configure"}
-        return [NodeDescription("bha_driver", "driver", driver)]
+        parameters = {"terminal": terminal, "autostart": "configure"}
+        return [NodeDescription("bha_driver", "driver", parameters)]
     # A port a ROS domain, so that graphs beside one another do not meet.
     port = _EMULATOR_PORTS + int(os.environ.get("ROS_DOMAIN_ID") or 0)
-    emulator = {"terminal": terminal, "port": port, "robot_seed": settings.seed}
-    driver = {"terminal": terminal, "port": port, "host": "127.0.0.1", "autostart": "activate"}
+    emulator: dict[str, Any] = {"terminal": terminal, "port": port, "robot_seed": settings.seed}
+    driver = {
+        "terminal": terminal,
+        "host": "127.0.0.1",
+        "port": port,
+        "autostart": "activate",
+    }
     return [
         NodeDescription("bha_bringup", "terminal_emulator", emulator),
         NodeDescription("bha_driver", "driver", driver),

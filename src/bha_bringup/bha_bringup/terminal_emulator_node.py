@@ -1,4 +1,4 @@
-"""The emulated terminal with the MuJoCo robot behind it, in real time; its tracker publishes `tip`."""
+"""The emulated terminal with the MuJoCo robot behind it, and a tracker that publishes `tip`."""
 
 from __future__ import annotations
 
@@ -52,9 +52,7 @@ class EmulatorNode(BhaNode):
         terminal = dataclasses.replace(terminal, port=settings.port or terminal.port)
         path = settings.robot_file
         robot = draw_robot(load_parameters(Path(path) if path else None), settings.robot_seed)
-        self._plant = Plant(
-            robot, seed=settings.robot_seed, control_period=settings.plant_period
-        )
+        self._plant = Plant(robot, seed=settings.robot_seed, control_period=settings.plant_period)
         self._emulator = TerminalEmulator(terminal, self._plant, port=terminal.port)
         self._faults = FaultPlayer(self._emulator, parse_faults(settings.faults))
         self._period = round(settings.plant_period * 1e9)
@@ -77,7 +75,9 @@ class EmulatorNode(BhaNode):
         steps = 1 if self._stepped is None else min((tick - self._stepped) // self._period, 25)
         for _ in range(steps):
             self._emulator.step()
-        passed = self._stepped is None or tick // self._tip_period > self._stepped // self._tip_period
+        passed = (
+            self._stepped is None or tick // self._tip_period > self._stepped // self._tip_period
+        )
         self._stepped = tick
         if passed:
             state = self._plant.state

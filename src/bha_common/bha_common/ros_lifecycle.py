@@ -19,7 +19,7 @@ UNCONFIGURED, INACTIVE, ACTIVE, FINALIZED = (
 )
 
 
-class ManagedNode(LifecycleNodeMixin, BhaNode):  # type: ignore[misc]
+class ManagedNode(LifecycleNodeMixin, BhaNode):
     """A `BhaNode` that is configured and activated from outside, as every ROS 2 managed node.
 
     A transition that is not possible in the present state is answered with a refusal; rclpy itself

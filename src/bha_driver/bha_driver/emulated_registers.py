@@ -21,17 +21,23 @@ class PlantState(Protocol):
     """What a plant tells: measured lengths [m] and pressures [Pa], shape (9,) each."""
 
     @property
-    def lengths(self) -> Array: ...
+    def lengths(self) -> Array:
+        """Measured lengths [m], shape (9,)."""
+
     @property
-    def pressures(self) -> Array: ...
+    def pressures(self) -> Array:
+        """Measured pressures [Pa], shape (9,)."""
 
 
 class EmulatedPlant(Protocol):
     """A robot that takes pressures [Pa], shape (9,), for one period at a time."""
 
     @property
-    def state(self) -> PlantState: ...
-    def step(self, pressures: Array) -> PlantState: ...
+    def state(self) -> PlantState:
+        """What can be seen of it now."""
+
+    def step(self, pressures: Array) -> PlantState:
+        """Apply pressures [Pa], shape (9,), for one period."""
 
 
 class EmulatedRegisters:
@@ -113,8 +119,7 @@ class EmulatedRegisters:
         with self._lock:
             self._watch()
             words = np.array(self._row(self._first_output, self._outputs_count))
-        state = self._plant.step(self._scaling.commanded(words))
-        del state
+        self._plant.step(self._scaling.commanded(words))
         with self._lock:
             self._refresh()
 

@@ -75,7 +75,9 @@ class Safety:
         self._last: float | None = None  # time of the last decision
         self._applied = np.zeros(bellows.COUNT)
         self._pressing = False
-        self._venting_done = False  # whether the set-points decided on last are those of no pressure
+        self._venting_done = (
+            False  # whether the set-points decided on last are those of no pressure
+        )
 
     @property
     def faults(self) -> tuple[Fault, ...]:

@@ -25,7 +25,7 @@ class _Inputs:
 
     def raw(self, block: Words) -> Words:
         words = block[self._place]
-        return np.where(self._signed & (words > 0x7FFF), words - 0x10000, words)
+        return np.asarray(np.where(self._signed & (words > 0x7FFF), words - 0x10000, words))
 
     def values(self, raw: Words) -> Array:
         return np.asarray(self._scale * raw + self._offset)
@@ -49,7 +49,9 @@ class Scaling:
         self._scale = np.array([channel.scale for channel in channels])
         self._offset = np.array([channel.offset for channel in channels])
         ranges = [channel.set_point_range(terminal.limits.pressure) for channel in channels]
-        self._low, self._high = (np.array(ends, dtype=np.int64) for ends in zip(*ranges, strict=True))
+        self._low, self._high = (
+            np.array(ends, dtype=np.int64) for ends in zip(*ranges, strict=True)
+        )
         self._count = count
 
     @property

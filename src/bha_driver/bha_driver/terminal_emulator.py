@@ -145,7 +145,8 @@ class TerminalEmulator:
         )
         if not await server.listen():
             raise TerminalError(f"{self._host}:{self.port}: cannot listen there; is it in use?")
-        self.port = server.transport.sockets[0].getsockname()[1]
+        listener: Any = server.transport
+        self.port = listener.sockets[0].getsockname()[1]
         self._server = server
 
     async def _deafen(self) -> None:

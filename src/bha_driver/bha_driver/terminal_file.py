@@ -12,7 +12,14 @@ from bha_common import bellows
 from bha_common.share import share_file
 from bha_driver.errors import TerminalMapError
 from bha_driver.mapping import build, convert
-from bha_driver.terminal_map import BellowsChannels, Identity, Limits, TerminalMap, Timeouts, Watchdog
+from bha_driver.terminal_map import (
+    BellowsChannels,
+    Identity,
+    Limits,
+    TerminalMap,
+    Timeouts,
+    Watchdog,
+)
 
 _SECTIONS: dict[str, Any] = {
     "name": str,

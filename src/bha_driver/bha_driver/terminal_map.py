@@ -64,7 +64,9 @@ class Limits:
     length_rate: float = setting(1.0, "Fastest change of a length that is believed [m/s]", low=1e-3)
     length_step: float = setting(0.015, "Change between readings always believed [m]", low=0.0)
     frozen_time: float = setting(
-        1.0, "Time for which a reading may keep to one raw value while the pressure moves [s]", low=0.1
+        1.0,
+        "Time for which a reading may keep to one raw value while the pressure moves [s]",
+        low=0.1,
     )
     frozen_pressure: float = setting(
         1e4, "Motion of a set-point from which its bellows must move as well [Pa]", low=1.0
@@ -80,11 +82,11 @@ class Limits:
 
 @dataclass(frozen=True)
 class BellowsChannels:
-    """The three registers of a bellows."""
+    """The registers of a bellows: pressure set-point, potentiometer, measured pressure."""
 
-    set_point: Channel = required("Register of the pressure set-point")
-    length: Channel = required("Register of the potentiometer")
-    pressure: Channel = required("Register of the measured pressure")
+    set_point: Channel
+    length: Channel
+    pressure: Channel
 
 
 @dataclass(frozen=True)

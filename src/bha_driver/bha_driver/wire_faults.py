@@ -46,8 +46,8 @@ class Fault:
             )
         if not (0.0 <= self.at < math.inf and 0.0 < self.duration < math.inf):
             raise FaultScheduleError(
-                f"{self.name} begins at {self.at} s and lasts {self.duration} s; it must begin at 0 "
-                "or later, and last longer than 0"
+                f"{self.name} begins at {self.at} s and lasts {self.duration} s; it must begin at "
+                "0 or later, and last longer than 0"
             )
 
 
@@ -70,8 +70,8 @@ def parse_faults(text: str) -> list[Fault]:
             raise
         except ValueError:
             raise FaultScheduleError(
-                f"{entry!r} is no fault; write name@begin+duration, such as delay@20+0.5; names are "
-                f"{', '.join(FAULTS)}"
+                f"{entry!r} is no fault; write name@begin+duration, such as delay@20+0.5; "
+                f"names are {', '.join(FAULTS)}"
             ) from None
     return sorted(faults, key=lambda fault: fault.at)
 
