@@ -68,8 +68,8 @@ class GraphSettings:
             raise ValueError("the simulator has no terminal; choose robot hardware")
         if self.robot != SIM and self.real_time_factor != 1.0:
             raise ValueError(
-                f"real_time_factor is {self.real_time_factor:g}; robot {self.robot!r} lives in real "
-                "time, 1"
+                f"real_time_factor is {self.real_time_factor:g}; {self.robot!r} lives in "
+                "real time, 1"
             )
         if not 0.0 <= self.real_time_factor < float("inf"):
             raise ValueError(f"real_time_factor must be 0 or above, got {self.real_time_factor}")
