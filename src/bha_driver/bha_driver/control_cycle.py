@@ -83,7 +83,7 @@ class ControlCycle:
                 self._terminal.arm_watchdog()
                 self._armed = True
         except TerminalError as error:
-            self._fail(time, str(error))
+            self._fail(time, error)
             return str(error)
         return self._safety.activate(time)
 
@@ -97,7 +97,7 @@ class ControlCycle:
                 self._connect_again(time)
             return self._look(time)
         except TerminalError as error:
-            self._fail(time, str(error))
+            self._fail(time, error)
             return None
 
     def write(self, time: float, *, ending: bool = False) -> bool:
@@ -110,7 +110,7 @@ class ControlCycle:
         try:
             self._terminal.write(block)
         except TerminalError as error:
-            self._fail(time, str(error))
+            self._fail(time, error)
             return False
         self._safety.confirmed(time)
         return True
@@ -145,9 +145,9 @@ class ControlCycle:
                 self._terminal.arm_watchdog()
         self._safety.link_made(time, intact=intact)
 
-    def _fail(self, time: float, why: str) -> None:
+    def _fail(self, time: float, error: TerminalError) -> None:
         self.failures += 1
-        self._safety.link_failed(time, why)
+        self._safety.link_failed(time, str(error), gone=error.gone)
         if self._down_since is None:
             self._down_since = time
         # At once as long as the connection does not count as lost; then now and again.

@@ -10,7 +10,18 @@ class TerminalMapError(DriverError, ValueError):
 
 
 class TerminalError(DriverError):
-    """The terminal did not do what it was asked; the message says what it did instead."""
+    """The terminal did not do what it was asked; the message says what it did instead.
+
+    Parameters
+    ----------
+    message : What happened.
+    gone : Whether the terminal has ended the connection, or is not there; an answer that is late
+        does not tell that.
+    """
+
+    def __init__(self, message: str, *, gone: bool = False) -> None:
+        super().__init__(message)
+        self.gone = gone
 
 
 class FaultScheduleError(DriverError, ValueError):

@@ -170,13 +170,21 @@ class Safety:
             self._begin_at_nothing()
         self._linked = True
 
-    def link_failed(self, time: float, why: str = "") -> None:
-        """Take note of an exchange that failed, or of a connection that cannot be made."""
+    def link_failed(self, time: float, why: str = "", *, gone: bool = False) -> None:
+        """Take note of an exchange that failed, or of a connection that cannot be made.
+
+        Parameters
+        ----------
+        time : Now [s].
+        why : What happened; empty when nothing new did.
+        gone : Whether the terminal itself has ended the connection, or is not there: that counts
+            at once. An answer may be late a few times.
+        """
         self._linked, self._link_trouble = False, why or self._link_trouble
         if self._active or self._pressing:
             silence = time - min(self._read_at, self._written_at)
             # Half a cycle of slack: times of cycles are not exact.
-            if silence > self._map.timeouts.link - 0.5 * self._period:
+            if gone or silence > self._map.timeouts.link - 0.5 * self._period:
                 self._latch(LINK_LOST, self._link_trouble, time)
 
     def see(self, time: float, block: Words) -> bool:

@@ -65,11 +65,12 @@ class Terminal:
         try:
             connected = client.connect()
         except (OSError, ModbusException) as error:
-            raise TerminalError(f"{where}: no connection ({error})") from None
+            raise TerminalError(f"{where}: no connection ({error})", gone=True) from None
         if not connected:
             client.close()
             raise TerminalError(
-                f"{where}: no connection (refused, or none within {self._map.timeouts.connect:g} s)"
+                f"{where}: no connection (refused, or none in {self._map.timeouts.connect:g} s)",
+                gone=True,
             )
         client.comm_params.timeout_connect = self._map.timeouts.request
         self._client = client
@@ -163,10 +164,10 @@ class Terminal:
         try:
             answer = getattr(client, kind)(register, **arguments, **{_UNIT: self._map.unit})
         except (OSError, ModbusException) as error:
-            lost = not client.is_socket_open()
+            cut = not client.is_socket_open() or isinstance(error, OSError)
             self.close()
-            what = "the connection was cut" if lost else "no answer in time"
-            raise TerminalError(f"{what} ({kind} at {register})") from error
+            what = "the connection was cut" if cut else "no answer in time"
+            raise TerminalError(f"{what} ({kind} at {register})", gone=cut) from error
         if answer.isError():
             self.close()
             code = getattr(answer, "exception_code", None)
