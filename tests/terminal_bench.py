@@ -17,7 +17,7 @@ from bha_driver.safety import Safety
 from bha_driver.scaling import Scaling
 from bha_driver.terminal_emulator import TerminalEmulator
 from bha_driver.terminal_file import load_terminal
-from bha_driver.terminal_map import Timeouts, Watchdog
+from bha_driver.terminal_map import Timeouts
 from bha_sim.plant import Plant
 from bha_sim.robot_parameters import draw_robot, load_parameters
 

@@ -9,10 +9,10 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from terminal_bench import MAP, PERIOD, TerminalBench
 
 from bha_driver.fault_player import FaultPlayer
 from bha_driver.wire_faults import FAULTS, random_faults
+from terminal_bench import MAP, PERIOD, TerminalBench
 
 LINK, DOG = MAP.timeouts.link, MAP.watchdog.time
 BOUND = 0.1  # [s] from when a fault can be known to the safe state

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import logging
 from typing import Any
 
 import numpy as np
@@ -11,14 +10,13 @@ from numpy.typing import NDArray
 from pymodbus.client import ModbusTcpClient
 from pymodbus.exceptions import ModbusException
 
+from bha_driver import modbus_log
 from bha_driver.errors import TerminalError
 from bha_driver.terminal_map import TerminalMap
 
 Words = NDArray[np.int64]
 
-# Every failure reaches the user as a TerminalError; pymodbus would tell it a second time.
-logging.getLogger("pymodbus").setLevel(logging.CRITICAL + 1)
-logging.getLogger("pymodbus.logging").setLevel(logging.CRITICAL + 1)
+modbus_log.silence()
 
 # The name of the unit in requests: `slave` until pymodbus 3.9, `device_id` since 3.10.
 _UNIT = (

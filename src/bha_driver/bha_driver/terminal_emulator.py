@@ -14,10 +14,13 @@ from pymodbus.constants import ExcCodes
 from pymodbus.server import ModbusTcpServer
 from pymodbus.simulator import DataType, SimData, SimDevice
 
+from bha_driver import modbus_log
 from bha_driver.emulated_registers import EmulatedPlant, EmulatedRegisters
 from bha_driver.errors import TerminalError
 from bha_driver.terminal_map import TerminalMap
 from bha_driver.wire_faults import FAULTS, Fault
+
+modbus_log.silence()
 
 _READS, _WRITES = (3, 4), (6, 16)
 _HEADER = 9  # bytes of a reply before its words: MBAP header, function, byte count
