@@ -17,6 +17,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from bha_bringup import driver_cli, terminal_cli
 from bha_bringup.demo import run_demo
 from bha_bringup.demo_record import DemoRecord
 from bha_bringup.demo_settings import DemoSettings
@@ -31,6 +32,7 @@ from bha_bringup.robot_client import (
     RobotError,
     refuse_second_graph,
 )
+from bha_driver.errors import DriverError
 
 app = typer.Typer(
     name="bha",
@@ -39,6 +41,8 @@ app = typer.Typer(
     add_completion=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+app.add_typer(terminal_cli.app, name="terminal")
+app.add_typer(driver_cli.app, name="driver")
 console = Console(highlight=False)
 
 # Ubuntu 24.04's typer, 0.9, knows no `Path | None`.
@@ -277,7 +281,7 @@ def main() -> None:
     except Interrupted:
         console.print("\ninterrupted; what was learned is kept")
         sys.exit(130)
-    except (RobotError, GraphError, ValueError) as error:
+    except (RobotError, GraphError, DriverError, ValueError) as error:
         console.print(f"error: {error}", style="bold red", markup=False)
         sys.exit(1)
 

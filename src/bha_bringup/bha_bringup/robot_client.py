@@ -15,6 +15,8 @@ from bha_interfaces.msg import LearningStatus, Pressures
 from bha_interfaces.srv import LoadModel, Reset, SaveModel, SetGoal
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState, GetState
 from numpy.typing import NDArray
 from rclpy import init, ok, try_shutdown
 from rclpy.action import ActionClient
@@ -258,6 +260,18 @@ class RobotClient:
         """End the emergency stop."""
         response = self.call(Trigger, "emergency_stop_reset", Trigger.Request())
         return self._success("robot", response)
+
+    def change_driver(self, transition: str) -> str:
+        """Bring the driver of the pneumatics to another state, such as ``activate``; its state."""
+        request = ChangeState.Request(transition=Transition(label=transition))
+        answer = self.call(ChangeState, f"{DRIVER}/change_state", request)
+        state = self.call(GetState, f"{DRIVER}/get_state", GetState.Request())
+        label = str(state.current_state.label)
+        if not answer.success:
+            raise RobotError(
+                f"{DRIVER} does not {transition}, it is {label}; its log and bha status say why"
+            )
+        return label
 
     def record(self, into: Recording) -> Callable[[], None]:
         """Begin to record; call what is returned to end it."""
