@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import threading
 import tracemalloc
 from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -68,7 +69,7 @@ def test_each_fault_leads_to_the_safe_state_and_stays_there(
     assert not bench.outputs.any(), "vented"
     assert bench.emulator.connections == 1, "it has connected again"
     late = [words for time, words in registers.writes if time > known]
-    for words, after in zip(late, late[1:], strict=False):
+    for words, after in pairwise(late):
         assert (np.array(after) <= np.array(words)).all(), "pressed again without a reset"
 
     assert safety.reset(bench.time) == ""
@@ -145,7 +146,7 @@ def test_the_end_vents(bench: TerminalBench) -> None:
 
 
 def _leaks() -> tuple[int, int, int]:
-    return len(os.listdir("/proc/self/fd")), threading.active_count(), _memory()
+    return len(list(Path("/proc/self/fd").iterdir())), threading.active_count(), _memory()
 
 
 def _memory() -> int:

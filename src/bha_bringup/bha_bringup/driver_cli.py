@@ -1,4 +1,4 @@
-"""The commands `bha driver`: the life cycle and the stop of the driver, for hosts without `ros2`."""
+"""The commands `bha driver`: its life cycle and its stop, for hosts without `ros2`."""
 
 from __future__ import annotations
 

@@ -31,8 +31,8 @@ def check(file: File) -> None:
     found = survey(terminal)
     console.print(_table(found))
     console.print(
-        f"a read takes {found.round_trip * 1e3:.1f} ms, at most {found.longest_round_trip * 1e3:.1f}"
-        f" ms; watchdog register: {'not in the map' if found.watchdog is None else found.watchdog}"
+        f"a read takes {found.round_trip * 1e3:.1f} ms, "
+        f"at most {found.longest_round_trip * 1e3:.1f} ms; watchdog register: {'not in the map' if found.watchdog is None else found.watchdog}"
     )
     for problem in found.problems:
         console.print(f"problem: {problem}", style="bold red", markup=False)

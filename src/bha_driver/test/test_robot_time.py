@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -25,5 +27,5 @@ def test_ticks_are_multiples_and_rise(waits: list[int]) -> None:
             assert 0 <= now - tick < PERIOD
             taken.append(tick)
     assert all(tick % PERIOD == 0 for tick in taken)
-    assert all(b - a >= PERIOD for a, b in zip(taken, taken[1:], strict=False))
+    assert all(b - a >= PERIOD for a, b in pairwise(taken))
     assert ticks.missed == (taken[-1] - taken[0]) // PERIOD - (len(taken) - 1)

@@ -33,8 +33,8 @@ def inputs(length: float = 0.2, index: int | None = None, other: float = 0.0) ->
 class Robot:
     """Drives the safety logic as the cycle does, and keeps what would go over the wire."""
 
-    def __init__(self, settings: SafetySettings = SafetySettings()) -> None:
-        self.safety = Safety(MAP, settings, PERIOD)
+    def __init__(self, settings: SafetySettings | None = None) -> None:
+        self.safety = Safety(MAP, settings or SafetySettings(), PERIOD)
         self.time = 1000.0
         self.written: list[tuple[float, np.ndarray]] = []
         self.rng = np.random.default_rng(0)
@@ -239,7 +239,7 @@ def test_a_fault_is_latched_and_the_old_command_never_comes_back(way: str) -> No
     safety.offer(robot.time, FULL)
     first = robot.write()
     assert first.max() < before, "the next write vents already"
-    assert [fault.which for fault in safety.faults][0] == which
+    assert safety.faults[0].which == which
     assert safety.state == "stopped"
     robot.vented()
     for _ in range(100):

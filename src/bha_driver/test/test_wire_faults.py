@@ -16,7 +16,7 @@ def test_a_schedule_is_read() -> None:
 
 @pytest.mark.parametrize("text", ["melt@3", "cut", "cut@", "cut@1+0", "cut@1+-1", "cut@1.2.3"])
 def test_what_is_no_schedule_is_refused_with_the_choices(text: str) -> None:
-    with pytest.raises(FaultScheduleError, match="delay|last longer"):
+    with pytest.raises(FaultScheduleError, match=r"delay|last longer"):
         parse_faults(text)
 
 
