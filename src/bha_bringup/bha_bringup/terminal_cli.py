@@ -30,9 +30,10 @@ def check(file: File) -> None:
     console.print(f"{file}: a good terminal map; asking {terminal.host}:{terminal.port} ...")
     found = survey(terminal)
     console.print(_table(found))
+    watchdog = "not in the map" if found.watchdog is None else f"holds {found.watchdog}"
     console.print(
         f"a read takes {found.round_trip * 1e3:.1f} ms, "
-        f"at most {found.longest_round_trip * 1e3:.1f} ms; watchdog register: {'not in the map' if found.watchdog is None else found.watchdog}"
+        f"at most {found.longest_round_trip * 1e3:.1f} ms; watchdog register: {watchdog}"
     )
     for problem in found.problems:
         console.print(f"problem: {problem}", style="bold red", markup=False)
