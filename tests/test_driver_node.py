@@ -6,6 +6,7 @@ import signal
 import threading
 import time
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -274,7 +275,7 @@ def test_the_emergency_stop(make_driver: Any) -> None:
     driver.commanding(lambda: driver.stops[-1:] == [True], "the others are told")
     driver.commanding(lambda: terminal.highest == 0.0, "the stop vents, whatever is commanded")
     after = terminal.written()[count:]
-    assert all(b <= a for a, b in zip(after, after[1:], strict=False))
+    assert all(b <= a for a, b in pairwise(after))
     assert graph.fresh("driver")["summary"] == "safe state: emergency stop"
     assert graph.client.emergency_stop_reset().startswith("the stop has ended")
     graph.wait(lambda: driver.stops[-1] is False, "the others are told")
