@@ -23,13 +23,19 @@ from bha_common.ros_messages import nanoseconds, pressures_message, stamp_messag
 from bha_common.ros_node import LATCHED_QOS
 from bha_driver.scaling import Scaling
 from bha_driver.terminal_emulator import TerminalEmulator
-from bha_driver.terminal_file import example_path, load_terminal
+from bha_driver.terminal_file import example_path, parse_terminal
 from running_graph import PATIENCE, RunningGraph
 from terminal_bench import plant
 
 pytestmark = pytest.mark.graph
 
-MAP = load_terminal()
+TEXT = example_path("emulated").read_text()
+PATIENT = TEXT.replace(
+    "{request: 0.2, connect: 0.5, link: 1.0,", "{request: 1.0, connect: 1.0, link: 1.5,"
+).replace("time: 2.0", "time: 3.0")
+"""The emulated terminal, for a machine where every process may have to wait for its turn."""
+
+MAP = parse_terminal(PATIENT)
 PERIOD = 0.02
 PRESSED = np.full(9, 5e4)
 
@@ -128,7 +134,13 @@ def make_driver(terminal: LivingTerminal, tmp_path: Path) -> Iterator[Any]:
     graphs = []
 
     def make(autostart: str = "activate", **parameters: Any) -> Driver:
-        settings = {"port": terminal.emulator.port, "autostart": autostart, **parameters}
+        (tmp_path / "patient.yaml").write_text(PATIENT)
+        settings = {
+            "terminal": str(tmp_path / "patient.yaml"),
+            "port": terminal.emulator.port,
+            "autostart": autostart,
+            **parameters,
+        }
         graph = RunningGraph([NodeDescription("bha_driver", "driver", settings)], tmp_path)
         graphs.append(graph.__enter__())
         driver = Driver(terminal, graph)

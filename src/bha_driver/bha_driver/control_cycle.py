@@ -16,6 +16,8 @@ from bha_driver.terminal_map import TerminalMap
 
 Array = NDArray[np.float64]
 
+_TRIES = 3
+
 
 @dataclass(frozen=True, eq=False)
 class Reading:
@@ -67,14 +69,18 @@ class ControlCycle:
             When that fails.
         """
         self._armed = False
-        try:
-            self._terminal.connect()
-            self._safety.link_made(time, intact=False)
-            return self._look(time)
-        except TerminalError as error:
-            self._terminal.close()
-            self._safety.link_failed(time, str(error))
-            raise
+        for attempt in range(_TRIES):
+            try:
+                self._terminal.connect()
+                self._safety.link_made(time, intact=False)
+                return self._look(time)
+            except TerminalError as error:
+                self._terminal.close()
+                self._safety.link_failed(time, str(error))
+                # Nothing is driven yet, so a late answer is no reason to give up.
+                if error.gone or attempt == _TRIES - 1:
+                    raise
+        raise AssertionError("unreachable")
 
     def activate(self, time: float) -> str:
         """Arm the terminal's watchdog and allow pressing; the reason when not, else empty."""
