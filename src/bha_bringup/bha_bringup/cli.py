@@ -24,6 +24,7 @@ from bha_bringup.demo_settings import DemoSettings
 from bha_bringup.graph import HARDWARE, ROBOTS, SIM, GraphSettings, describe_graph
 from bha_bringup.graph_lock import owning_graph, stop_owner
 from bha_bringup.graph_processes import GraphError, GraphProcesses
+from bha_bringup.model_transfer import adopt_models
 from bha_bringup.report import error_table, write_report
 from bha_bringup.robot_client import (
     CONTROLLER,
@@ -225,6 +226,19 @@ def load(
 ) -> None:
     """Load models into the controller and the learner."""
     _both_models(lambda robot, node, path: robot.load(node, path), folder)
+
+
+@app.command()
+def adopt(
+    source: Annotated[Path, typer.Argument(help="Folder of the models of one robot.")],
+    target: Annotated[Path, typer.Argument(help="Folder for the copies.")],
+    robot: Annotated[
+        str, typer.Option(help="Name of the robot they are for, such as that of the terminal map.")
+    ],
+) -> None:
+    """Copy models of one robot for another, as from the simulator to the pneumatics."""
+    for path in adopt_models(source.expanduser(), target.expanduser(), robot):
+        console.print(f"{path}: for robot {robot}")
 
 
 @app.command()
