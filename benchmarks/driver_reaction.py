@@ -169,10 +169,8 @@ def main() -> None:
         latch = "      -        -"
         if np.isfinite(times[:, 1]).any():
             latch = f"{np.nanmedian(times[:, 1]):7.0f} {np.nanmax(times[:, 1]):8.0f}"
-        print(
-            f"{row:20s} {np.median(times[:, 0]):7.0f} {times[:, 0].max():8.0f} {latch}  {ROWS[row]}",
-            flush=True,
-        )
+        safe = f"{np.median(times[:, 0]):7.0f} {times[:, 0].max():8.0f}"
+        print(f"{row:20s} {safe} {latch}  {ROWS[row]}", flush=True)
 
 
 if __name__ == "__main__":
