@@ -118,8 +118,8 @@ class TestNodes:
 
     def test_the_package_depends_on_all_it_starts(self) -> None:
         manifest = (SOURCES / "bha_bringup/package.xml").read_text()
-        for node in ALL:
-            assert f"<depend>{node.package}</depend>" in manifest
+        for package in {node.package for node in ALL} - {"bha_bringup"}:
+            assert f"<depend>{package}</depend>" in manifest
 
 
 class TestChoices:
