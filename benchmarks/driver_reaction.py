@@ -132,7 +132,7 @@ def react(plant: Plant, row: str) -> tuple[float, float]:
             bench.cycle()
             if registers.trips > trips:
                 safe = time.monotonic()
-            for moment, words in list(registers.writes)[count:]:
+            for moment, words in registers.writes[count:]:
                 total = bench.scaling.commanded(np.array(words)).sum()
                 vents = bench.safety.state in ("stopped", "silent")
                 if safe is None and vents and total < before:

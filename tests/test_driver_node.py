@@ -177,8 +177,8 @@ def test_transitions_in_every_order(make_driver: Any) -> None:
         )
     }
     rng, state, tried = np.random.default_rng(0), "unconfigured", set()
-    writes = driver.terminal.emulator.registers.writes
-    writes.clear()
+    registers = driver.terminal.emulator.registers
+    registers.forget_writes()
     while tried != wanted:
         possible = [move for name, move in sorted(wanted) if name == state]
         fresh = [move for move in possible if (state, move) not in tried]
@@ -189,7 +189,7 @@ def test_transitions_in_every_order(make_driver: Any) -> None:
         state = expected or state
         assert driver.state == state
         if not any(name == "active" for name, _ in tried) and state != "active":
-            assert not writes, "nothing is driven before activation"
+            assert not registers.writes, "nothing is driven before activation"
     if state == "unconfigured":
         assert driver.change(T.TRANSITION_CONFIGURE)
     if driver.state == "inactive":

@@ -90,7 +90,7 @@ def test_a_terminal_that_restarts_is_armed_again_and_begins_at_nothing(
     count = len(registers.writes)
     bench.run(1.0)
     assert registers.armed
-    for _, words in list(registers.writes)[count:]:
+    for _, words in registers.writes[count:]:
         assert not any(words), "what was lost with the restart was not pressed again"
 
 
@@ -163,7 +163,7 @@ def test_ten_minutes_with_faults_at_random() -> None:
         registers, safety = bench.emulator.registers, bench.safety
         player = FaultPlayer(bench.emulator, random_faults(5, 590.0, 6.0))
         bench.run(5.0)
-        registers.writes.clear()
+        registers.forget_writes()
         first, seen = _leaks(), set()
         start, end = bench.time, bench.time + 600.0
         previous, well = registers.outputs, bench.time
@@ -185,7 +185,7 @@ def test_ten_minutes_with_faults_at_random() -> None:
         assert seen == FAULTS.keys()
         bench.emulator.end_all()
         bench.run(2.0)
-        registers.writes.clear()
+        registers.forget_writes()
         files, threads, memory = _leaks()
         assert (files, threads) == first[:2]
         assert memory - first[2] < 2_000, "objects that nobody needs any more"

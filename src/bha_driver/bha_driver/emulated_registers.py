@@ -63,8 +63,7 @@ class EmulatedRegisters:
         self.frozen = False
         self.trips = 0
         """How often the watchdog has vented."""
-        self.writes: deque[tuple[float, tuple[int, ...]]] = deque(maxlen=100_000)
-        """When set-points were written [s], and which words."""
+        self._written: deque[tuple[float, tuple[int, ...]]] = deque(maxlen=100_000)
         self.boot()
 
     @property
@@ -77,6 +76,17 @@ class EmulatedRegisters:
         """The words of the set-points."""
         with self._lock:
             return self._row(self._first_output, self._outputs_count)
+
+    @property
+    def writes(self) -> list[tuple[float, tuple[int, ...]]]:
+        """When set-points were written [s], and which words; the newest last."""
+        with self._lock:
+            return list(self._written)
+
+    def forget_writes(self) -> None:
+        """Empty `writes`."""
+        with self._lock:
+            self._written.clear()
 
     @property
     def armed(self) -> bool:
@@ -110,7 +120,7 @@ class EmulatedRegisters:
             ):
                 self._fed = self._clock()
                 outputs = self._row(self._first_output, self._outputs_count)
-                self.writes.append((self._fed, outputs))
+                self._written.append((self._fed, outputs))
             elif register == self._map.watchdog.register:
                 self._fed = self._clock()
 
