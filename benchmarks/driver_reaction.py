@@ -81,14 +81,13 @@ class RealTime:
         if not self.driving:
             return
         now = time.monotonic()
-        failures = self.driver.failures
-        self.driver.read(now)
+        reading = self.driver.read(now)
         if self.commanding:
             if self.rng.random() < 0.1:
                 self.command = self.rng.uniform(2e4, 8e4, 9)
             self.safety.offer(time.monotonic(), self.command)
-        self.driver.write(time.monotonic())
-        if self.driver.failures == failures:
+        written = self.driver.write(time.monotonic())
+        if reading is not None and written:
             self.last_good = now
         if self.safety.stopped and self.latched is None:
             self.latched = time.monotonic()

@@ -1,4 +1,4 @@
-"""The swap: the graph of the simulator, with driver, Modbus and terminal in the simulator's place."""
+"""The swap: the same graph with driver, Modbus and terminal in the simulator's place."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from running_graph import PATIENCE, StartGraph
 
 from bha_goal_babbling.checkpoint import load_checkpoint
+from running_graph import PATIENCE, StartGraph
 
 pytestmark = [pytest.mark.graph, pytest.mark.slow]
 
@@ -19,7 +19,7 @@ def test_a_model_of_the_simulator_is_loaded_used_and_improved(
     before = load_checkpoint(trained / "inverse_model.npz", robot=None)
     graph = start_graph(robot="hardware-emulated", real_time_factor=1.0)
     client = graph.client
-    assert graph.fresh("driver")["summary"] == "running"
+    graph.wait(lambda: graph.values("driver").get("summary") == "running", "a running driver")
 
     goal = np.array([0.06, 0.05, 0.0])
     reached = client.reach(goal)

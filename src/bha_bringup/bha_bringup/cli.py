@@ -122,7 +122,8 @@ def up(
     nodes = describe_graph(settings)
     with owning_graph(), GraphProcesses(nodes, models / "logs", params_file) as processes:
         with RobotClient(processes.check) as client:
-            client.wait_for_graph({node.executable for node in nodes})
+            # A terminal may be off, or its driver wait for a person.
+            client.wait_for_graph({node.executable for node in nodes}, chained=robot != HARDWARE)
             names = ", ".join(node.executable for node in nodes)
             console.print(f"up: {names}; logs in {models / 'logs'}; Ctrl-C or `bha stop` ends it")
             if robot == HARDWARE:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import threading
 import time
 from collections.abc import Callable, Coroutine
@@ -81,6 +80,7 @@ class TerminalEmulator:
         """End the server and its thread."""
         if self._thread.is_alive():
             self._call(self._deafen())
+            self._call(self._drop_answers())
             self._loop.call_soon_threadsafe(self._loop.stop)
             self._thread.join(_PATIENCE)
         if not self._loop.is_closed():
@@ -157,6 +157,13 @@ class TerminalEmulator:
         if server is not None:
             await server.shutdown()
 
+    async def _drop_answers(self) -> None:
+        """End the answers that are still to come late."""
+        others = asyncio.all_tasks() - {asyncio.current_task()}
+        for task in others:
+            task.cancel()
+        await asyncio.gather(*others, return_exceptions=True)
+
     async def _cut(self) -> None:
         if self._server is not None:
             for connection in list(self._server.active_connections.values()):
@@ -174,8 +181,7 @@ class TerminalEmulator:
         """Answer a request; called by pymodbus before it looks into its own registers."""
         self.requests += 1
         if "delay" in self._faults:
-            with contextlib.suppress(asyncio.CancelledError):
-                await asyncio.sleep(self.delay)
+            await asyncio.sleep(self.delay)
         if "exception" in self._faults:
             return ExcCodes.DEVICE_BUSY
         if function in _WRITES and values is not None:
