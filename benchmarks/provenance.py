@@ -15,6 +15,7 @@ _PACKAGES = (
     "bha_bringup",
     "bha_cartesian_feedback",
     "bha_common",
+    "bha_driver",
     "bha_goal_babbling",
     "bha_pressure_ctrl",
     "bha_sim",

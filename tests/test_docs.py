@@ -29,6 +29,11 @@ PAGES = sorted([*DOCS.glob("*.md"), *ROOT.glob("*.md"), *ROOT.glob("docker/*.md"
 GRAPH = (DOCS / "graph.md").read_text(encoding="utf-8")
 PARAMS_FILE = ROOT / "src" / "bha_bringup" / "config" / "params.yaml"
 EVERY_NODE = "every node"
+DESCRIBED = {
+    node.executable: node.parameters
+    for robot in ("sim", "hardware-emulated")
+    for node in describe_graph(GraphSettings(robot=robot))
+}
 
 
 def page_name(path: Path) -> str:
@@ -143,10 +148,8 @@ def endpoints(functions: dict[str, tuple[int, int]]) -> dict[tuple[str, str], se
 
 
 def test_every_node_has_a_section() -> None:
-    assert len(NODES) == 4
-    assert [row[0] for row in rows(section(GRAPH, "The graph"))] == list(
-        {node.executable: node for node in describe_graph(GraphSettings())}
-    )
+    assert len(NODES) == 6
+    assert {row[0] for row in rows(section(GRAPH, "The graph"))} == set(DESCRIBED) == set(NODES)
 
 
 @pytest.mark.parametrize("node", NODES)
@@ -196,14 +199,13 @@ def test_the_example_of_a_parameter_file_holds_defaults() -> None:
             result |= flat(value, f"{prefix}{name}.") if nested else {prefix + name: value}
         return result
 
-    described = {node.executable: node.parameters for node in describe_graph(GraphSettings())}
     for key, value in content.items():
         node = key.removeprefix("/**/")
         defaults = declared(NODES[node]).default
         for name, given in flat(value["ros__parameters"]).items():
             assert given == defaults[name], f"{node}: {name}"
             assert type(given) is type(defaults[name]), f"{node}: {name}"
-            assert name not in described[node], f"{node}: {name} would undo what `up` sets"
+            assert name not in DESCRIBED[node], f"{node}: {name} would undo what `up` sets"
 
 
 # --- topics, services, actions ----------------------------------------------------------------
@@ -343,11 +345,16 @@ def verbs() -> set[str]:
         for line in re.findall(r"^ +([a-z |-]+)\)", dispatch, re.M)
         for word in line.split(" | ")
     }
-    return own | {
-        command.name or command.callback.__name__
-        for command in app.registered_commands
-        if command.callback
-    }
+    groups = {group.name for group in app.registered_groups if group.name}
+    return (
+        own
+        | groups
+        | {
+            command.name or command.callback.__name__
+            for command in app.registered_commands
+            if command.callback
+        }
+    )
 
 
 @pytest.mark.parametrize("page", PAGES, ids=page_name)

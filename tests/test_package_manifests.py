@@ -15,7 +15,11 @@ PACKAGES = sorted(path.parent for path in SOURCE.glob("*/setup.py"))
 KEYS = {
     name: f"python3-{name}"
     for name in ("hypothesis", "matplotlib", "numpy", "pytest", "rich", "scipy", "typer")
-} | {"mujoco": "python3-mujoco-pip", "yaml": "python3-yaml"}
+} | {
+    "mujoco": "python3-mujoco-pip",
+    "pymodbus": "python3-pymodbus-pip",
+    "yaml": "python3-yaml",
+}
 WITHOUT_KEY = {"numba", "piqp"}
 
 

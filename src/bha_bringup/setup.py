@@ -22,5 +22,10 @@ setup(
     maintainer_email="maintainers@bha-workspace.example.org",
     description="The graph as a whole: what runs, how to start it, and how to use it.",
     license="Apache-2.0",
-    entry_points={"console_scripts": ["bha = bha_bringup.cli:main"]},
+    entry_points={
+        "console_scripts": [
+            "bha = bha_bringup.cli:main",
+            "terminal_emulator = bha_bringup.terminal_emulator_node:main",
+        ]
+    },
 )

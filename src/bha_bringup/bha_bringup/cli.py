@@ -17,13 +17,15 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from bha_bringup import driver_cli, terminal_cli
 from bha_bringup.demo import run_demo
 from bha_bringup.demo_record import DemoRecord
 from bha_bringup.demo_settings import DemoSettings
 from bha_bringup.disturbing import as_parameters, read_disturbances
-from bha_bringup.graph import GraphSettings, describe_graph
+from bha_bringup.graph import HARDWARE, ROBOTS, SIM, GraphSettings, describe_graph
 from bha_bringup.graph_lock import owning_graph, stop_owner
 from bha_bringup.graph_processes import GraphError, GraphProcesses
+from bha_bringup.model_transfer import adopt_models
 from bha_bringup.report import error_table, write_report
 from bha_bringup.robot_client import (
     CONTROLLER,
@@ -33,6 +35,7 @@ from bha_bringup.robot_client import (
     RobotError,
     refuse_second_graph,
 )
+from bha_driver.errors import DriverError
 
 app = typer.Typer(
     name="bha",
@@ -41,11 +44,14 @@ app = typer.Typer(
     add_completion=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+app.add_typer(terminal_cli.app, name="terminal")
+app.add_typer(driver_cli.app, name="driver")
 console = Console(highlight=False)
 
 # Ubuntu 24.04's typer, 0.9, knows no `Path | None`.
 MaybePath = Optional[Path]  # noqa: UP045
 Point = Annotated[float, typer.Argument(help="Coordinate in bha_base [m].")]
+Robot = Annotated[str, typer.Option(help=f"Which robot: {', '.join(ROBOTS)}.")]
 Feedback = Annotated[bool, typer.Option(help="Use Cartesian feedback: exact, but slow.")]
 
 
@@ -57,14 +63,19 @@ def demo(
     goals: Annotated[int, typer.Option(help="Held-out goals to reach.")] = 25,
     out: Annotated[MaybePath, typer.Option(help="Folder for report and models.")] = None,
     quick: Annotated[bool, typer.Option(help="A short look: 5 minutes, 5 goals.")] = False,
+    robot: Annotated[
+        str, typer.Option(help="Which robot: sim, or hardware-emulated (in real time).")
+    ] = "sim",
 ) -> None:
     """Start the graph, learn, reach held-out goals, and leave a report."""
-    folder = out or Path("results", f"demo_{space}_seed{seed}")
-    settings = DemoSettings(space, minutes, seed, goals, folder)
+    suffix = "" if robot == SIM else f"_{robot}"
+    folder = out or Path("results", f"demo_{space}_seed{seed}{suffix}")
+    settings = DemoSettings(space, minutes, seed, goals, folder, robot=robot)
     if quick:
         settings = replace(settings, minutes=5.0, goals=5, identification_samples=20)
+    kind = "A simulated BHA" if robot == SIM else "A simulated BHA behind an emulated terminal"
     console.print(
-        f"A simulated BHA (robot {seed}) learns to reach, task {space}, from nothing: "
+        f"{kind} (robot {seed}) learns to reach, task {space}, from nothing: "
         f"{settings.minutes:g} robot minutes.\nEverything goes to {folder}; Ctrl-C ends it, "
         "and keeps what was learned."
     )
@@ -85,7 +96,10 @@ def demo(
 @app.command()
 def up(
     space: Annotated[str, typer.Option(help="2d, 3d, or the path of a task file.")] = "2d",
-    robot: Annotated[str, typer.Option(help="Which robot: sim.")] = "sim",
+    robot: Robot = "sim",
+    terminal: Annotated[
+        MaybePath, typer.Option(help="Terminal map of the pneumatics, for --robot hardware.")
+    ] = None,
     feedback: Annotated[bool, typer.Option(help="With Cartesian feedback.")] = True,
     real_time_factor: Annotated[
         float, typer.Option(help="Simulated over wall time; 0 is as fast as possible.")
@@ -102,6 +116,7 @@ def up(
         real_time_factor=real_time_factor,
         seed=seed,
         models=models.expanduser().absolute(),
+        terminal=None if terminal is None else terminal.expanduser().absolute(),
     )
     if params_file is not None and not params_file.is_file():
         raise ValueError(f"{params_file}: there is no such file")
@@ -109,9 +124,12 @@ def up(
     nodes = describe_graph(settings)
     with owning_graph(), GraphProcesses(nodes, models / "logs", params_file) as processes:
         with RobotClient(processes.check) as client:
-            client.wait_for_graph({node.executable for node in nodes})
+            # A terminal may be off, or its driver wait for a person.
+            client.wait_for_graph({node.executable for node in nodes}, chained=robot != HARDWARE)
             names = ", ".join(node.executable for node in nodes)
             console.print(f"up: {names}; logs in {models / 'logs'}; Ctrl-C or `bha stop` ends it")
+            if robot == HARDWARE:
+                console.print("the driver reads and drives nothing; `bha driver activate` lets it")
         while True:
             processes.check()
             time.sleep(0.2)
@@ -231,6 +249,19 @@ def load(
 
 
 @app.command()
+def adopt(
+    source: Annotated[Path, typer.Argument(help="Folder of the models of one robot.")],
+    target: Annotated[Path, typer.Argument(help="Folder for the copies.")],
+    robot: Annotated[
+        str, typer.Option(help="Name of the robot they are for, such as that of the terminal map.")
+    ],
+) -> None:
+    """Copy models of one robot for another, as from the simulator to the pneumatics."""
+    for path in adopt_models(source.expanduser(), target.expanduser(), robot):
+        console.print(f"{path}: for robot {robot}")
+
+
+@app.command()
 def stop() -> None:
     """End the graph that `bha up` or `bha demo` has started in this ROS domain."""
     if not stop_owner():
@@ -284,7 +315,7 @@ def main() -> None:
     except Interrupted:
         console.print("\ninterrupted; what was learned is kept")
         sys.exit(130)
-    except (RobotError, GraphError, ValueError) as error:
+    except (RobotError, GraphError, DriverError, ValueError) as error:
         console.print(f"error: {error}", style="bold red", markup=False)
         sys.exit(1)
 

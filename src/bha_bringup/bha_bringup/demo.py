@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
 from bha_bringup.demo_record import DemoRecord, GoalRecord
-from bha_bringup.graph import GraphSettings, NodeDescription, describe_graph
+from bha_bringup.graph import SIM, GraphSettings, NodeDescription, describe_graph
 from bha_bringup.graph_processes import GraphProcesses
 from bha_bringup.robot_client import (
     CONTROLLER,
@@ -50,7 +50,13 @@ def run_demo(record: DemoRecord, console: Console) -> None:
     task = find_task(settings.space)
     record.axes = task.axes
     nodes = describe_graph(
-        GraphSettings(space=settings.space, real_time_factor=0.0, seed=settings.seed, models=models)
+        GraphSettings(
+            robot=settings.robot,
+            space=settings.space,
+            real_time_factor=0.0 if settings.robot == SIM else 1.0,
+            seed=settings.seed,
+            models=models,
+        )
     )
     refuse_second_graph()
     try:
@@ -81,8 +87,9 @@ class _Demo:
         self._console = console
 
     def run(self, nodes: list[NodeDescription]) -> None:
+        pace = " in lockstep" if self._settings.robot == SIM else " in real time"
         with self._progress("start", "{task.fields[note]}") as (bar, line):
-            bar.update(line, total=1, note=f"{len(nodes)} nodes in lockstep")
+            bar.update(line, total=1, note=f"{len(nodes)} nodes{pace}")
             self._robot.wait_for_graph({node.executable for node in nodes})
             bar.update(line, completed=1)
         self._identify()

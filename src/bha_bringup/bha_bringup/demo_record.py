@@ -78,6 +78,7 @@ class DemoRecord:
         """Return the contents of ``results.json``; what was not measured is null."""
         return {
             "schema": SCHEMA,
+            "robot": self.settings.robot,
             "space": self.settings.space,
             "axes": list(self.axes),
             "seed": self.settings.seed,

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 SPACES = ("2d", "3d")
+ROBOTS = ("sim", "hardware-emulated")
 
 
 @dataclass(frozen=True)
@@ -20,6 +21,7 @@ class DemoSettings:
     goals : Number of held-out goals.
     out : Folder for the report, the figures and the models.
     identification_samples : Settled postures for the pressure controller.
+    robot : Which robot, one of `ROBOTS`.
     """
 
     space: str = "2d"
@@ -28,10 +30,13 @@ class DemoSettings:
     goals: int = 25
     out: Path = Path("results/demo")
     identification_samples: int = 40
+    robot: str = "sim"
 
     def __post_init__(self) -> None:
         if self.space not in SPACES:
             raise ValueError(f"space is {self.space!r}; valid are {', '.join(SPACES)}")
+        if self.robot not in ROBOTS:
+            raise ValueError(f"robot must be one of {', '.join(ROBOTS)}, got {self.robot!r}")
         if not 0.0 < self.minutes <= 10_000.0:
             raise ValueError(f"minutes must be above 0 and at most 10000, got {self.minutes}")
         if not 1 <= self.goals <= 10_000:

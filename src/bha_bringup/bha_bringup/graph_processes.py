@@ -79,7 +79,8 @@ class GraphProcesses:
                 start_new_session=True,  # Ctrl-C reaches us alone; we end the nodes in order
             )
         self._processes[name] = process
-        _place(process.pid, in_loop=node.in_loop)
+        if node.in_loop is not None:
+            _place(process.pid, in_loop=node.in_loop)
 
     def pid(self, name: str) -> int:
         """Process id of a node."""

@@ -15,6 +15,8 @@ from bha_interfaces.msg import LearningStatus, Pressures
 from bha_interfaces.srv import LoadModel, Reset, SaveModel, SetGoal
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState, GetState
 from numpy.typing import NDArray
 from rcl_interfaces.srv import SetParametersAtomically
 from rclpy import init, ok, try_shutdown
@@ -38,7 +40,7 @@ from bha_common.ros_node import CONTROL_QOS, WATCHER_QOS
 
 Array = NDArray[np.float64]
 LEARNER, CONTROLLER = "learner", "pressure_ctrl"
-FEEDBACK, SIMULATOR = "cartesian_feedback", "simulator"
+FEEDBACK, SIMULATOR, DRIVER = "cartesian_feedback", "simulator", "driver"
 
 _CALL_TIMEOUT = 10.0
 
@@ -150,8 +152,12 @@ class RobotClient:
             self._executor.spin_once(timeout_sec=min(0.05, deadline - now))
         return True
 
-    def wait_for_graph(self, nodes: set[str], timeout: float = 60.0) -> None:
+    def wait_for_graph(
+        self, nodes: set[str], timeout: float = 60.0, *, chained: bool = True
+    ) -> None:
         """Wait until every one of the nodes answers, and the controller hears the learner.
+
+        The latter needs a robot that tells its state; without `chained` it is not waited for.
 
         In lockstep many seconds of robot time may pass while nodes find one another; who begins
         earlier would see a robot that does not follow.
@@ -172,7 +178,8 @@ class RobotClient:
         ):
             if name.split("/")[0] in nodes:
                 self._action(kind, name)
-        if {LEARNER, CONTROLLER} <= nodes and not self.wait(self._is_chained, timeout):
+        chained = chained and {LEARNER, CONTROLLER} <= nodes
+        if chained and not self.wait(self._is_chained, timeout):
             raise RobotError(f"no commands of the learner reach the controller in {timeout:g} s")
 
     def _is_chained(self) -> bool:
@@ -278,6 +285,18 @@ class RobotClient:
         """End the emergency stop."""
         response = self.call(Trigger, "emergency_stop_reset", Trigger.Request())
         return self._success("robot", response)
+
+    def change_driver(self, transition: str) -> str:
+        """Bring the driver of the pneumatics to another state, such as ``activate``; its state."""
+        request = ChangeState.Request(transition=Transition(label=transition))
+        answer = self.call(ChangeState, f"{DRIVER}/change_state", request)
+        state = self.call(GetState, f"{DRIVER}/get_state", GetState.Request())
+        label = str(state.current_state.label)
+        if not answer.success:
+            raise RobotError(
+                f"{DRIVER} does not {transition}, it is {label}; its log and bha status say why"
+            )
+        return label
 
     def record(self, into: Recording) -> Callable[[], None]:
         """Begin to record; call what is returned to end it."""

@@ -15,6 +15,7 @@ ARGUMENTS = {
     "feedback": ("true", "whether Cartesian feedback is part of the graph", ("true", "false")),
     "real_time_factor": ("1.0", "simulated over wall time; 0 is lockstep", None),
     "seed": ("0", "draws the simulated robot, its noise and the exploration", None),
+    "terminal": ("", "terminal map of the pneumatics, for robot:=hardware", None),
     "models": ("", "folder where models are loaded from and saved to; empty: none", None),
     "params_file": ("", "YAML with parameters of the nodes, which go before all others", None),
 }
@@ -29,6 +30,7 @@ def start(context: LaunchContext) -> list[Node]:
         feedback=value["feedback"] == "true",
         real_time_factor=float(value["real_time_factor"]),
         seed=int(value["seed"]),
+        terminal=Path(value["terminal"]).expanduser() if value["terminal"] else None,
         models=Path(value["models"]).expanduser() if value["models"] else None,
     )
     files = [value["params_file"]] if value["params_file"] else []

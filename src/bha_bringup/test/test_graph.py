@@ -10,11 +10,15 @@ import pytest
 import yaml
 
 from bha_bringup.graph import NAMESPACE, ROBOTS, GraphSettings, NodeDescription, describe_graph
+from bha_driver.errors import TerminalMapError
 from bha_goal_babbling.errors import InvalidTaskError
 
 SOURCES = Path(__file__).parents[2]
-ALL = describe_graph(GraphSettings(models=Path("/models")))
+SIMULATED = describe_graph(GraphSettings(models=Path("/models")))
+EMULATED = describe_graph(GraphSettings(robot="hardware-emulated", models=Path("/models")))
+ALL = [*SIMULATED, *EMULATED[:2]]
 NAMES = [node.executable for node in ALL]
+LAB = SOURCES / "bha_driver/config/cpx_e.yaml"
 
 
 def entry_points(package: str) -> dict[str, str]:
@@ -115,8 +119,8 @@ class TestNodes:
 
     def test_the_package_depends_on_all_it_starts(self) -> None:
         manifest = (SOURCES / "bha_bringup/package.xml").read_text()
-        for node in ALL:
-            assert f"<depend>{node.package}</depend>" in manifest
+        for package in {node.package for node in ALL} - {"bha_bringup"}:
+            assert f"<depend>{package}</depend>" in manifest
 
 
 class TestChoices:
@@ -125,8 +129,9 @@ class TestChoices:
         return {node.executable: node.parameters for node in nodes}
 
     def test_the_whole_graph(self) -> None:
-        assert NAMES == ["simulator", "pressure_ctrl", "learner", "cartesian_feedback"]
-        assert [node.in_loop for node in ALL] == [True, True, False, False]
+        names = [node.executable for node in SIMULATED]
+        assert names == ["simulator", "pressure_ctrl", "learner", "cartesian_feedback"]
+        assert [node.in_loop for node in SIMULATED] == [True, True, False, False]
         assert NAMESPACE == "/bha"
 
     def test_feedback_is_optional(self) -> None:
@@ -184,7 +189,10 @@ class TestChoices:
     @pytest.mark.parametrize(
         ("wrong", "message"),
         [
-            ({"robot": "real"}, "robot is 'real'; valid are sim"),
+            ({"robot": "real"}, "robot is 'real'; valid are sim, hardware, hardware-emulated"),
+            ({"robot": "hardware"}, "name its terminal map, such as my_lab.yaml"),
+            ({"terminal": LAB}, "the simulator has no terminal"),
+            ({"robot": "hardware", "terminal": LAB, "real_time_factor": 0.0}, "in real time, 1"),
             ({"real_time_factor": -1.0}, "real_time_factor must be 0 or above"),
             ({"real_time_factor": float("nan")}, "real_time_factor must be 0 or above"),
             ({"real_time_factor": float("inf")}, "real_time_factor must be 0 or above"),
@@ -193,6 +201,57 @@ class TestChoices:
     def test_refuses_what_is_no_choice(self, wrong: dict[str, Any], message: str) -> None:
         with pytest.raises(ValueError, match=message):
             GraphSettings(**wrong)
+
+
+class TestHardware:
+    """The swap: all nodes but those that are the robot stay what they are."""
+
+    def test_a_driver_takes_the_place_of_the_simulator(self) -> None:
+        hardware = describe_graph(GraphSettings(robot="hardware", terminal=LAB))
+        assert [node.executable for node in hardware] == ["driver", *NAMES[1:4]]
+        assert [node.executable for node in EMULATED] == [
+            "terminal_emulator",
+            "driver",
+            *NAMES[1:4],
+        ]
+
+    def test_every_other_node_is_unchanged(self) -> None:
+        simulated = describe_graph(GraphSettings(models=Path("/models"), seed=3))
+        emulated = describe_graph(
+            GraphSettings(robot="hardware-emulated", models=Path("/models"), seed=3)
+        )
+        assert [(n.executable, n.parameters) for n in simulated[1:]] == [
+            (n.executable, n.parameters) for n in emulated[2:]
+        ]
+
+    def test_nodes_in_real_time_are_not_bound_to_cores(self) -> None:
+        assert {node.in_loop for node in EMULATED} == {None}
+
+    def test_driver_and_emulator_meet(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        ports = set()
+        for domain in ("", "7"):
+            monkeypatch.setenv("ROS_DOMAIN_ID", domain)
+            emulator, driver, *_ = describe_graph(GraphSettings(robot="hardware-emulated"))
+            assert emulator.parameters["port"] == driver.parameters["port"]
+            ports.add(driver.parameters["port"])
+        assert len(ports) == 2, "graphs in two ROS domains must not meet"
+
+    def test_only_an_emulated_robot_is_pressed_without_a_word(self) -> None:
+        (driver,) = [n for n in EMULATED if n.executable == "driver"]
+        assert driver.parameters["autostart"] == "activate"
+        driver = describe_graph(GraphSettings(robot="hardware", terminal=LAB))[0]
+        assert driver.parameters["autostart"] == "configure"
+        assert driver.parameters["terminal"] == str(LAB)
+
+    def test_models_bear_the_name_of_the_terminal(self) -> None:
+        nodes = describe_graph(GraphSettings(robot="hardware", terminal=LAB))
+        assert {n.parameters["robot"] for n in nodes if "robot" in n.parameters} == {"cpx_e_lab"}
+
+    def test_a_wrong_terminal_map_is_told_before_anything_starts(self, tmp_path: Path) -> None:
+        file = tmp_path / "lab.yaml"
+        file.write_text(LAB.read_text().replace("port: 502", "port: 0"))
+        with pytest.raises(TerminalMapError, match=r"lab\.yaml: port is 0; valid is 1 to 65535"):
+            describe_graph(GraphSettings(robot="hardware", terminal=file))
 
 
 class TestLaunchFile:

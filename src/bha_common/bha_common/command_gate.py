@@ -103,6 +103,18 @@ class CommandGate:
         self._stopped = False
         self.drop(time)
 
+    def applied(self, pressures: Array) -> None:
+        """Take note of what was really applied, where that is not what `pressures` told.
+
+        A driver that limits the rate of pressures applies less than it is told to. The way to the
+        safe state begins at what is applied.
+
+        Parameters
+        ----------
+        pressures : Applied pressures [Pa], shape (9,).
+        """
+        self._output = pressures
+
     def pressures(self, time: float, period: float) -> Array:
         """Tell what to apply for the next control period.
 

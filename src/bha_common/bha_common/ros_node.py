@@ -142,23 +142,30 @@ class BhaNode(Node):
         housekeeping_due = 0.0
         try:
             while self.context.ok():
-                timeout = min(self.work(), _HOUSEKEEPING_PERIOD)
-                wait_set.clear_entities()
-                for handle in handles:
-                    wait_set.add_subscription(handle)
-                wait_set.wait(max(0, int(timeout * 1e9)))
-                ready = wait_set.get_ready_entities("subscription")
-                for stream in self._streams:
-                    if stream.handle.pointer in ready:
-                        taken = stream.handle.take_message(stream.msg_type, stream.raw)
-                        if taken is not None:
-                            stream.callback(taken[0])
+                timeout = max(0.0, min(self.work(), _HOUSEKEEPING_PERIOD))
+                if handles:
+                    self._take_streams(wait_set, handles, timeout)
+                else:  # an empty wait set cannot be waited on
+                    time.sleep(timeout)
                 now = time.monotonic()
                 if now >= housekeeping_due:
                     self._serve(executor)
                     housekeeping_due = now + _HOUSEKEEPING_PERIOD
         finally:
             executor.shutdown(timeout_sec=0.0)
+
+    def _take_streams(self, wait_set: Any, handles: list[Any], timeout: float) -> None:
+        """Wait for the streams, and hand over one message of each that has some."""
+        wait_set.clear_entities()
+        for handle in handles:
+            wait_set.add_subscription(handle)
+        wait_set.wait(int(timeout * 1e9))
+        ready = wait_set.get_ready_entities("subscription")
+        for stream in self._streams:
+            if stream.handle.pointer in ready:
+                taken = stream.handle.take_message(stream.msg_type, stream.raw)
+                if taken is not None:
+                    stream.callback(taken[0])
 
     def _serve(self, executor: SingleThreadedExecutor) -> None:
         served: list[Any] = []

@@ -216,3 +216,13 @@ class AnyOrder(RuleBasedStateMachine):
 
 TestAnyOrder = AnyOrder.TestCase
 TestAnyOrder.settings = settings(max_examples=40, stateful_step_count=20, deadline=None)
+
+
+def test_venting_begins_at_what_was_really_applied() -> None:
+    """A driver that limits rates is behind its command when the command ends."""
+    robot = gate(vent_rate=1e4)
+    robot.offer(1.0, np.full(9, 1e5))
+    robot.pressures(1.0, PERIOD)
+    robot.applied(np.full(9, 3e4))
+    robot.stop()
+    np.testing.assert_allclose(robot.pressures(1.02, PERIOD), np.full(9, 3e4 - 1e4 * PERIOD))

@@ -170,8 +170,8 @@ class EquilibriumModel:
         )
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str], robot: str) -> EquilibriumModel:
-        """Read a model of `robot`.
+    def load(cls, path: str | os.PathLike[str], robot: str | None) -> EquilibriumModel:
+        """Read a model of `robot`; None takes that of any.
 
         Raises
         ------

@@ -1,0 +1,155 @@
+"""The terminal over real sockets; the plant behind it is not of interest here."""
+
+from __future__ import annotations
+
+import dataclasses
+import socket
+from collections.abc import Iterator
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from bha_driver.errors import TerminalError
+from bha_driver.scaling import Scaling
+from bha_driver.terminal import Terminal
+from bha_driver.terminal_check import survey
+from bha_driver.terminal_emulator import TerminalEmulator
+from bha_driver.terminal_file import example_path, load_terminal
+from bha_driver.terminal_map import TerminalMap
+
+
+class Bench:
+    """Bellows of fixed lengths."""
+
+    def __init__(self) -> None:
+        self.state = SimpleNamespace(lengths=np.linspace(0.15, 0.31, 9), pressures=np.zeros(9))
+
+    def step(self, pressures: np.ndarray) -> SimpleNamespace:
+        self.state.pressures = pressures
+        return self.state
+
+
+@pytest.fixture(params=["cpx_e", "cpx_mpa", "emulated"])
+def emulator(request: pytest.FixtureRequest) -> Iterator[TerminalEmulator]:
+    with TerminalEmulator(load_terminal(example_path(request.param)), Bench()) as running:
+        yield running
+
+
+def reached(emulator: TerminalEmulator, **changes: object) -> TerminalMap:
+    """The emulator's map with its address, and patience for a busy machine."""
+    terminal = emulator._map
+    return dataclasses.replace(
+        terminal,
+        host="127.0.0.1",
+        port=emulator.port,
+        watchdog=dataclasses.replace(terminal.watchdog, time=2.0),
+        timeouts=dataclasses.replace(terminal.timeouts, request=0.3, link=0.5),
+        **changes,
+    )
+
+
+def test_lengths_and_pressures_arrive_as_they_are(emulator: TerminalEmulator) -> None:
+    terminal = reached(emulator)
+    link, scaling = Terminal(terminal), Scaling(terminal)
+    link.connect()
+    assert scaling.lengths(link.read()) == pytest.approx(np.linspace(0.15, 0.31, 9), abs=2e-5)
+    wanted = np.linspace(0.0, 1.3e5, 9)
+    link.write(scaling.set_points(wanted))
+    emulator.step()
+    assert scaling.pressures(link.read()) == pytest.approx(wanted, abs=101.0)
+    assert emulator.requests == 3 + (terminal.identity is not None), "one request for each"
+    link.close()
+
+
+def test_the_watchdog_is_armed_and_checked(emulator: TerminalEmulator) -> None:
+    link = Terminal(reached(emulator))
+    link.connect()
+    assert link.watchdog() == 0
+    link.arm_watchdog()
+    assert link.watchdog() == 2000
+    link.close()
+
+
+def test_a_request_that_fails_ends_the_connection(emulator: TerminalEmulator) -> None:
+    """So nobody writes to a terminal that was restarted in between."""
+    link = Terminal(reached(emulator))
+    for fault, message, gone in (
+        ("drop", "no answer in time", False),
+        ("exception", "refused with exception 6", False),
+        ("cut", "the connection was cut", True),
+    ):
+        link.connect()
+        link.read()
+        emulator.begin(fault)
+        with pytest.raises(TerminalError, match=message) as caught:
+            link.read()
+        emulator.end(fault)
+        assert caught.value.gone == gone
+        assert not link.connected
+        with pytest.raises(TerminalError, match="not connected"):
+            link.write(np.zeros(9, dtype=np.int64))
+    assert not any(any(words) for _, words in emulator.registers.writes)
+
+
+def test_an_answer_that_is_late_is_never_taken_for_the_next(emulator: TerminalEmulator) -> None:
+    terminal = reached(emulator)
+    link, scaling = Terminal(terminal), Scaling(terminal)
+    link.connect()
+    emulator.delay = 0.5
+    emulator.begin("delay")
+    with pytest.raises(TerminalError, match="no answer in time"):
+        link.read()
+    emulator.end("delay")
+    link.connect()
+    assert scaling.lengths(link.read())[0] == pytest.approx(0.15, abs=2e-5)
+    link.close()
+
+
+def test_nobody_there() -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        port = taken.getsockname()[1]
+        terminal = dataclasses.replace(load_terminal(), port=port)
+        with pytest.raises(TerminalError, match=rf"127.0.0.1:{port}: no connection") as caught:
+            Terminal(terminal).connect()
+    assert caught.value.gone
+
+
+def test_a_port_that_is_taken_is_told() -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        with pytest.raises(TerminalError, match="cannot listen there; is it in use"):
+            TerminalEmulator(load_terminal(), Bench(), port=port).__enter__()
+
+
+class TestSurvey:
+    def test_it_reads_and_never_writes(self, emulator: TerminalEmulator) -> None:
+        before = dict(emulator.registers._registers)
+        found = survey(reached(emulator), readings=5)
+        assert found.problems == []
+        assert found.lengths == pytest.approx(np.linspace(0.15, 0.31, 9), abs=2e-5)
+        assert not emulator.registers.writes
+        assert emulator.registers._registers == before
+        assert not emulator.registers.armed
+
+    def test_it_names_what_is_wrong(self, emulator: TerminalEmulator) -> None:
+        state = emulator.registers._plant.state
+        state.lengths = np.full(9, 0.2)
+        state.lengths[4] = 0.05
+        state.pressures = np.zeros(9)
+        state.pressures[8] = 5e4
+        emulator.registers.boot()
+        first, second = survey(reached(emulator), readings=5).problems
+        assert "bellows_2_2 seems to be 0.0500 m long" in first
+        assert "bellows_3_3 seems to hold 50000 Pa" in second
+
+    def test_it_leaves_no_connection(self, emulator: TerminalEmulator) -> None:
+        emulator.begin("drop")
+        with pytest.raises(TerminalError):
+            survey(reached(emulator), readings=5)
+        emulator.end("drop")
+        found = survey(reached(emulator), readings=2)
+        assert found.watchdog == 0

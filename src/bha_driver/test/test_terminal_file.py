@@ -1,0 +1,117 @@
+import copy
+from typing import Any
+
+import pytest
+import yaml
+
+from bha_common import bellows
+from bha_driver.errors import TerminalMapError
+from bha_driver.terminal_file import example_path, load_terminal, parse_terminal
+
+EXAMPLES = ("cpx_e", "cpx_mpa", "emulated")
+GOOD = yaml.safe_load(example_path("cpx_e").read_text())
+
+
+def changed(path: str, value: Any) -> str:
+    """The example with one field set, or taken out when the value is `...`."""
+    data = copy.deepcopy(GOOD)
+    *parents, last = path.split(".")
+    place = data
+    for name in parents:
+        place = place[name]
+    if value is ...:
+        del place[last]
+    else:
+        place[last] = value
+    return yaml.safe_dump(data)
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_the_examples_are_good(name: str) -> None:
+    terminal = load_terminal(example_path(name))
+    assert len(terminal.bellows) == bellows.COUNT
+    assert terminal.output_block[1] == bellows.COUNT
+
+
+def test_the_registers_are_those_that_festo_names() -> None:
+    for name in ("cpx_e", "cpx_mpa"):
+        terminal = load_terminal(example_path(name))
+        assert terminal.output_block[0] == 40001
+        assert terminal.input_block[0] == 45392
+    classic = load_terminal(example_path("cpx_mpa"))
+    registers = [item.pressure.register for item in classic.bellows]
+    assert registers == list(range(45392, 45392 + 27, 3)), "three words a valve"
+
+
+def test_without_a_file_it_is_the_emulated_one() -> None:
+    assert load_terminal().name == "bha_emulated"
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "message"),
+    [
+        ("hosts", "x", "hosts is unknown; valid are name, host, port"),
+        ("host", ..., "host is missing"),
+        ("host", 5, "host is 5; it must be text"),
+        ("port", "502", "port is '502'; it must be a whole number"),
+        ("port", 70000, "port is 70000; valid is 1 to 65535"),
+        ("port", True, "port is True; it must be a whole number"),
+        ("unit", 300, "unit is 300; valid is 0 to 255"),
+        ("inputs", "coils", "inputs is 'coils'; valid are holding, input"),
+        ("identity", {"register": 1}, "identity.words is missing"),
+        ("identity", {"register": 1, "words": [-1]}, "identity.words is"),
+        ("timeouts", None, "timeouts must hold request, connect, link, reconnect"),
+        ("timeouts.reqest", 0.1, "timeouts.reqest is unknown; valid are request, connect"),
+        ("timeouts.request", 0.08, "timeouts.request is 0.08; it must be at most timeouts.link"),
+        ("timeouts.link", 0.15, "timeouts.link is 0.15; it must be at most half of watchdog.time"),
+        ("watchdog.time", 0.05, "watchdog.time is 0.05; valid is 0.1 to 10"),
+        ("watchdog.time", 0.20037, None),
+        ("watchdog.step", 0.15, "watchdog.time is 0.2; it must be a multiple of watchdog.step"),
+        ("limits.pressure", "1e5", "limits.pressure is '1e5'; it must be a number, such as"),
+        ("limits.pressure", float("nan"), "limits.pressure is nan; valid is 1.0 to"),
+        ("limits.pressure", 3e5, "limits.pressure is 300000.0; valid is 1.0 to 200000.0"),
+        ("limits.shortest", 0.5, "limits.longest is 0.4; it must be above shortest, 0.5 m"),
+        ("bellows.bellows_4_1", {}, "bellows.bellows_4_1 is unknown; valid are bellows_1_1"),
+        ("bellows.bellows_2_3", ..., "bellows.bellows_2_3 is missing; all nine"),
+        ("bellows.bellows_1_1.set_point", ..., "bellows.bellows_1_1.set_point is missing"),
+        ("bellows.bellows_1_1.length.sclae", 1.0, "bellows_1_1.length.sclae is unknown; valid are"),
+        ("bellows.bellows_1_1.length.scale", 0.0, "bellows_1_1.length.scale is 0"),
+        ("bellows.bellows_1_1.length.register", 65536, "length.register is 65536; valid is 0 to"),
+        (
+            "bellows.bellows_1_1.length.format",
+            "int32",
+            "format is 'int32'; valid are int16, uint16",
+        ),
+        (
+            "bellows.bellows_1_1.length.register",
+            45393,
+            "bellows_1_2.length.register is 45393, which",
+        ),
+        ("bellows.bellows_1_1.length.register", 45000, "one read covers 125 at most"),
+        ("bellows.bellows_1_1.set_point.register", 40002, "is 40002, which is that of bellows_1_1"),
+        ("bellows.bellows_1_1.set_point.register", 39990, "would overwrite 39991, 39992"),
+        ("bellows.bellows_1_1.set_point.scale", -7.0, "set_point.scale must be above 0"),
+        ("bellows.bellows_1_1.set_point.scale", 1.0, "would be the raw set-point 130000; at most"),
+        ("bellows.bellows_1_1.set_point.offset", 500.0, "a negative set-point makes a valve"),
+        ("bellows.bellows_1_1.set_point.offset", -5e4, None),
+    ],
+)
+def test_what_is_wrong_is_named(path: str, value: Any, message: str | None) -> None:
+    text = changed(path, value)
+    if message is None:
+        parse_terminal(text)
+        return
+    with pytest.raises(TerminalMapError) as caught:
+        parse_terminal(text)
+    assert message in str(caught.value)
+
+
+def test_files_that_cannot_be_read(tmp_path: Any) -> None:
+    with pytest.raises(TerminalMapError, match=r"none\.yaml: cannot be read"):
+        load_terminal(tmp_path / "none.yaml")
+    (tmp_path / "broken.yaml").write_text("name: [")
+    with pytest.raises(TerminalMapError, match=r"broken\.yaml: not YAML"):
+        load_terminal(tmp_path / "broken.yaml")
+    (tmp_path / "list.yaml").write_text("- 1")
+    with pytest.raises(TerminalMapError, match="the file must hold name, host"):
+        load_terminal(tmp_path / "list.yaml")
