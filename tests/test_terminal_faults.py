@@ -146,12 +146,9 @@ def test_the_end_vents(bench: TerminalBench) -> None:
 
 
 def _leaks() -> tuple[int, int, int]:
-    return len(list(Path("/proc/self/fd").iterdir())), threading.active_count(), _memory()
-
-
-def _memory() -> int:
-    gc.collect()
-    return len(gc.get_objects())
+    gc.collect()  # what earlier tests left behind does not count
+    files = len(list(Path("/proc/self/fd").iterdir()))
+    return files, threading.active_count(), len(gc.get_objects())
 
 
 @pytest.mark.slow
@@ -187,5 +184,6 @@ def test_ten_minutes_with_faults_at_random() -> None:
         bench.run(2.0)
         registers.forget_writes()
         files, threads, memory = _leaks()
-        assert (files, threads) == first[:2]
+        assert files <= first[0]
+        assert threads <= first[1]
         assert memory - first[2] < 2_000, "objects that nobody needs any more"

@@ -19,9 +19,9 @@ Array = NDArray[np.float64]
 class LengthControllerSettings:
     """Gains of the feedback on the lengths."""
 
-    proportional_gain: float = setting(4e5, "Pressure per length error [Pa/m]", low=0.0, high=2e6)
+    proportional_gain: float = setting(3e5, "Pressure per length error [Pa/m]", low=0.0, high=2e6)
     integral_gain: float = setting(
-        2.5e6, "Pressure per integrated length error [Pa/(m s)]", low=0.0, high=5e6
+        8e5, "Pressure per integrated length error [Pa/(m s)]", low=0.0, high=5e6
     )
     adaptation_time: float = setting(
         120.0, "Time in which the model takes over what the integral holds; 0: never [s]", low=0.0

@@ -15,13 +15,16 @@ def _arguments(name: str) -> tuple[Any, list[Any]]:
     nine = lambda: rng.normal(0.0, 1.0, 9)  # noqa: E731
     if name == "pneumatics._advance":
         waiting = rng.uniform(0.0, 1.0, (3, 9))
-        arguments = [nine(), waiting, 2, 0.1, abs(nine()), abs(nine()), nine(), nine()]
+        speeds = [abs(nine()) for _ in range(3)]
+        ends = [np.full(9, -0.5), np.full(9, 0.5)]
+        stuck = np.arange(9) % 3 == 0
+        arguments = [nine(), waiting, 2, 0.1, *speeds, *ends, stuck, nine(), nine()]
         return pneumatics._advance, arguments
     if name == "pneumatics._read":
         return pneumatics._read, [nine(), 0.1, 0.25, nine()]
     normals = rng.normal(0.0, 1.0, (2, 9))
     numbers = [0.1, 0.9, 0.2, 0.3, 0.05]
-    arguments = [nine(), normals, *numbers, nine(), nine(), nine(), nine(), nine()]
+    arguments = [nine(), normals, *numbers, *(nine() for _ in range(8))]
     return potentiometers._read, arguments
 
 
