@@ -28,8 +28,8 @@ def summarise(runs: Sequence[Run]) -> Summary:
 
 
 _NOTE = (
-    "The article has about 20 mm after a few hours. What is left of the error sits in few goals: "
-    "near the base and far to the side the trunk gets short enough only when its segments bend in "
+    "The article has about 20 mm after a few hours. The largest errors are far to the side: "
+    "near the base the trunk probably gets short enough only when its segments bend in "
     "different directions, with several bellows at the lower end of their range. Small "
     "changes of the lengths say nothing of that, so exploration finds such postures late."
 )
