@@ -606,7 +606,8 @@ class TestEmergencyStop:
         graph.wait(lambda: graph.pressures().max() < 500.0, "vented bellows")
         graph.client.emergency_stop_reset()
         graph.wait(lambda: graph.client.status.mode == LearningStatus.IDLE, "idle")
-        assert self._highest(graph, 8.0) < 1e4
+        # Holding the vented lengths takes no more pressure than the model is wrong by.
+        assert self._highest(graph, 8.0) < 2e4
         self._under_pressure(graph, feedback)
 
     @pytest.mark.parametrize("paused", [False, True])
@@ -675,7 +676,7 @@ class TestEmergencyStop:
         graph.wait(lambda: graph.pressures().max() < 500.0, "vented bellows")
         graph.client.emergency_stop_reset()
         graph.wait(lambda: graph.client.status.mode == LearningStatus.IDLE, "idle")
-        assert self._highest(graph, 4.0) < 1e4
+        assert self._highest(graph, 4.0) < 2e4
         assert graph.client.status.samples == result.status.samples
         graph.client.set_goal(GOAL)
 
