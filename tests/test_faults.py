@@ -140,7 +140,7 @@ def test_a_killed_simulator_comes_back_with_a_new_time(
 
 def test_a_killed_feedback_leaves_the_learner_in_charge(start_graph: StartGraph) -> None:
     graph = start_graph(parameters=SHORT_WAITS)
-    graph.wait_robot(1.0)
+    graph.wait(lambda: graph.values("cartesian_feedback")["summary"] == "idle", "feedback ready")
     graph.client.set_goal(GOAL, feedback=True)
     graph.wait(lambda: graph.client.status.mode == LearningStatus.HOLDING, "targets followed")
     graph.wait(lambda: distance_aside(graph.tip(), GOAL) < 0.05, "the tip at the goal")
