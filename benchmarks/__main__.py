@@ -21,12 +21,12 @@ from rich.progress import (
 )
 from rich.table import Table
 
-from benchmarks.execution import OtherCodeError
-from benchmarks.experiment import Experiment
-from benchmarks.rendering import bound_rows, columns, shown
-from benchmarks.report import ReportError, write_report
-from benchmarks.results import Order, Result, make_table
-from benchmarks.tables import UnknownTableError, available, find
+from benchmarks.engine.execution import OtherCodeError
+from benchmarks.engine.experiment import Experiment
+from benchmarks.engine.rendering import bound_rows, columns, shown
+from benchmarks.engine.report import ReportError, write_report
+from benchmarks.engine.results import Order, Result, make_table
+from benchmarks.tables import NAMES, UnknownTableError, find
 
 app = typer.Typer(add_completion=False, context_settings={"help_option_names": ["-h", "--help"]})
 console = Console(highlight=False)
@@ -58,17 +58,19 @@ def paper(
 ) -> None:
     """Make a table of the article: NAME.json and NAME.png, and the claim beside what came out.
 
-    A table that was interrupted goes on where it stopped. `report` writes docs/results.md from the
-    results that there are. The exit status is 1 when a bound is missed.
+    A table that was interrupted goes on where it stopped. `report` writes the results that there
+    are into docs/results.md; other tables stay there as they are. The exit status is 1 when a bound
+    is missed.
     """
     if name == "list":
         console.print(_list_of_tables())
         return
     if name == "report":
-        console.print(f"report   {write_report(out, Path(__file__).parents[1] / 'docs')}")
+        page = write_report(out, Path(__file__).parents[1] / "docs", NAMES)
+        console.print(f"report   {page}")
         return
     order = Order(seeds, first_seed, quick, jobs, scheduler, out)
-    chosen = [find(each) for each in (available() if name == "all" else [name])]
+    chosen = [find(each) for each in (NAMES if name == "all" else [name])]
     missed = []
     for experiment in chosen:
         try:
@@ -134,7 +136,7 @@ def _list_of_tables() -> Table:
                 "seeds": experiment.seeds,
                 "minutes on two cores": experiment.minutes,
             }
-            for experiment in map(find, available())
+            for experiment in map(find, NAMES)
         ]
     )
 

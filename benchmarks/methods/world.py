@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from benchmarks.reaching import ReachingTask
+from benchmarks.arm.reaching import ReachingTask
 from bha_goal_babbling.arrays import FloatArray, matrix, vector
 
 

@@ -2,9 +2,9 @@
 
 import dataclasses
 
-from benchmarks import compiled_reaching
-from benchmarks.configs import FAST
-from benchmarks.reaching import ReachingTask
+from benchmarks.arm import compiled_reaching
+from benchmarks.arm.configs import FAST
+from benchmarks.arm.reaching import ReachingTask
 from bha_goal_babbling.babbler_config import GoalBabblerConfig
 from bha_goal_babbling.compiled_babbler import CompiledGoalBabbler
 

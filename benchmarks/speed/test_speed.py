@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from benchmarks.configs import FAST
+from benchmarks.arm.configs import FAST
 from benchmarks.speed.learners import (
     SMALL,
     TASK,

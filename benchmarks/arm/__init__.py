@@ -1,0 +1,1 @@
+"""Tables on planar arms and on linear problems, and what they share."""

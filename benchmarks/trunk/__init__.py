@@ -1,0 +1,1 @@
+"""Tables on the simulated trunk, and what they share."""
