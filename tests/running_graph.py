@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import rclpy
 from bha_interfaces.msg import LearningStatus, Pressures
-from geometry_msgs.msg import PointStamped, PoseStamped
+from geometry_msgs.msg import Point, PointStamped, PoseStamped
 from rclpy.action import ActionClient
 from sensor_msgs.msg import JointState
 
@@ -40,6 +40,15 @@ TYPES: dict[str, Any] = {
 
 ROBOT = "bha_sim_0"
 """Name that the graph gives to the simulated robot of seed 0."""
+
+SECOND = 1_000_000_000
+"""Nanoseconds."""
+
+GOAL = np.array([0.10, 0.05, 0.78])
+"""A goal that the robot of these tests has learned to reach [m], shape (3,)."""
+
+NODES_OF_GOALS = ("learner", "cartesian_feedback")
+"""The nodes that goals can be given to."""
 
 PATIENCE = 60.0
 """Wall time that a wait may last [s]: much longer than it takes on a machine that is busy."""
@@ -198,6 +207,10 @@ class RunningGraph:
             return {}
         return {"summary": status.message, **{item.key: item.value for item in status.values}}
 
+    def dropped(self, node: str, topic: str) -> int:
+        """How many messages on a topic a node has dropped, by its newest diagnostics."""
+        return int(self.values(node)[f"{topic} dropped"])
+
     # --- topics ----------------------------------------------------------------------------
 
     def listen(self, topic: str) -> Stream:
@@ -282,3 +295,10 @@ class RunningGraph:
         path = self.folder / "logs" / f"{name}.log"
         text = path.read_text(errors="replace") if path.exists() else ""
         return "\n".join(text.splitlines()[-lines:])
+
+
+def goal(x: float, y: float, z: float, frame: str = "") -> PointStamped:
+    """Return a goal as a message."""
+    message = PointStamped(point=Point(x=x, y=y, z=z))
+    message.header.frame_id = frame
+    return message

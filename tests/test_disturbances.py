@@ -6,7 +6,8 @@ import pytest
 from rcl_interfaces.srv import GetParameters
 
 from bha_bringup.disturbing import as_parameters
-from bha_bringup.robot_client import SIMULATOR, RobotError
+from bha_bringup.robot_client import SIMULATOR
+from bha_bringup.robot_connection import RobotError
 from bha_sim.disturbances import Disturbances
 from running_graph import RunningGraph, StartGraph
 

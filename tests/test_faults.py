@@ -11,11 +11,10 @@ from bha_interfaces.action import Babble
 from bha_interfaces.msg import LearningStatus
 
 from bha_goal_babbling.checkpoint import load_checkpoint
-from running_graph import ROBOT, RunningGraph, StartGraph
+from running_graph import GOAL, ROBOT, RunningGraph, StartGraph
 
 pytestmark = pytest.mark.graph
 
-GOAL = np.array([0.10, 0.05, 0.78])
 OTHER_GOAL = np.array([-0.10, 0.12, 0.78])
 
 SHORT_WAITS = {

@@ -12,15 +12,13 @@ from bha_interfaces.msg import LearningStatus
 from bha_interfaces.srv import SetGoal
 from geometry_msgs.msg import Point, PointStamped
 
-from bha_bringup.robot_client import RobotError
+from bha_bringup.robot_connection import RobotError
 from bha_common.files import ModelFileError
 from bha_goal_babbling.checkpoint import load_checkpoint
 from bha_pressure_ctrl.equilibrium_model import EquilibriumModel
-from running_graph import ROBOT, RunningGraph, StartGraph
+from running_graph import GOAL, ROBOT, RunningGraph, StartGraph
 
 pytestmark = pytest.mark.graph
-
-GOAL = np.array([0.10, 0.05, 0.78])
 
 
 def distance_aside(tip: np.ndarray, goal: np.ndarray) -> float:

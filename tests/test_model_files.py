@@ -12,16 +12,15 @@ import numpy as np
 import pytest
 from ament_index_python.packages import get_package_prefix
 
-from bha_bringup.robot_client import RobotError
+from bha_bringup.robot_connection import RobotError
 from bha_common.files import save_versioned
 from bha_goal_babbling.checkpoint import KIND as CHECKPOINT
 from bha_goal_babbling.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from bha_pressure_ctrl.equilibrium_model import EquilibriumModel
-from running_graph import ROBOT, RunningGraph, StartGraph, ros_domain
+from running_graph import GOAL, ROBOT, RunningGraph, StartGraph, ros_domain
 
 pytestmark = pytest.mark.graph
 
-GOAL = np.array([0.10, 0.05, 0.78])
 STEMS = {"pressure_ctrl": "equilibrium_model", "learner": "inverse_model"}
 KINDS = {"pressure_ctrl": "equilibrium model", "learner": CHECKPOINT}
 PACKAGES = {"pressure_ctrl": "bha_pressure_ctrl", "learner": "bha_goal_babbling"}
