@@ -12,11 +12,9 @@ import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from numpy.typing import NDArray
 from rclpy import init, try_shutdown
-from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor, TimeoutException
-from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.qos import (
     DurabilityPolicy,
@@ -28,6 +26,7 @@ from rclpy.qos import (
 
 from bha_common.files import ModelFileError
 from bha_common.ros_intake import Intake
+from bha_common.ros_streams import Streams
 from bha_common.ros_wire import decoder
 
 Array = NDArray[np.float64]
@@ -58,26 +57,10 @@ _HANDLERS_A_ROUND = 8
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 
 
-class _OwnLoop(CallbackGroup):
-    """Keeps subscriptions out of the executor: `BhaNode.spin` takes their messages itself."""
-
-    def can_execute(self, entity: Any) -> bool:
-        return False
-
-    def beginning_execution(self, entity: Any) -> bool:
-        return False
-
-    def ending_execution(self, entity: Any) -> None:
-        return None
-
-
 class BhaNode(Node):
-    """A node whose streams go past the executor.
+    """A node whose streams go past the executor, see `Streams`.
 
-    rclpy's executor looks at every entity of a node for every message, 0.3 to 0.5 ms for a node
-    with some services and an action. Lockstep needs a thousand states a second, so the streams of
-    the control chain have a wait set of their own; services, actions and timers are served by
-    the executor every 20 ms of wall time.
+    Services, actions and timers are served by the executor every 20 ms of wall time.
 
     Parameters
     ----------
@@ -86,8 +69,7 @@ class BhaNode(Node):
 
     def __init__(self, name: str) -> None:
         super().__init__(name)
-        self._own_loop = _OwnLoop()
-        self._streams: list[Any] = []
+        self._streams = Streams(self, CONTROL_QOS)
         self._intakes: list[Intake] = []
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self.steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
@@ -111,16 +93,7 @@ class BhaNode(Node):
         decode = decoder(message_type)
         intake = Intake(self, topic, lambda data: callback(*decode(data)))
         self._intakes.append(intake)
-        self._streams.append(
-            self.create_subscription(
-                message_type,
-                topic,
-                intake,
-                CONTROL_QOS,
-                callback_group=self._own_loop,
-                raw=True,
-            )
-        )
+        self._streams.add(message_type, topic, intake)
 
     def diagnose(self) -> tuple[bytes, str, dict[str, str]]:
         """Tell level, summary and values for `/diagnostics`; nodes override this."""
@@ -137,35 +110,17 @@ class BhaNode(Node):
         """Serve streams, services, actions and timers until the context is shut down."""
         executor = SingleThreadedExecutor(context=self.context)
         executor.add_node(self)
-        handles = [stream.handle for stream in self._streams]
-        wait_set = rclpy_implementation.WaitSet(len(handles), 0, 0, 0, 0, 0, self.context.handle)
+        take = self._streams.taker()
         housekeeping_due = 0.0
         try:
             while self.context.ok():
-                timeout = max(0.0, min(self.work(), _HOUSEKEEPING_PERIOD))
-                if handles:
-                    self._take_streams(wait_set, handles, timeout)
-                else:  # an empty wait set cannot be waited on
-                    time.sleep(timeout)
+                take(max(0.0, min(self.work(), _HOUSEKEEPING_PERIOD)))
                 now = time.monotonic()
                 if now >= housekeeping_due:
                     self._serve(executor)
                     housekeeping_due = now + _HOUSEKEEPING_PERIOD
         finally:
             executor.shutdown(timeout_sec=0.0)
-
-    def _take_streams(self, wait_set: Any, handles: list[Any], timeout: float) -> None:
-        """Wait for the streams, and hand over one message of each that has some."""
-        wait_set.clear_entities()
-        for handle in handles:
-            wait_set.add_subscription(handle)
-        wait_set.wait(int(timeout * 1e9))
-        ready = wait_set.get_ready_entities("subscription")
-        for stream in self._streams:
-            if stream.handle.pointer in ready:
-                taken = stream.handle.take_message(stream.msg_type, stream.raw)
-                if taken is not None:
-                    stream.callback(taken[0])
 
     def _serve(self, executor: SingleThreadedExecutor) -> None:
         served: list[Any] = []
