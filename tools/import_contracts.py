@@ -43,6 +43,8 @@ class RosRoomsContract(Contract):
 
     def render_broken_contract(self, check: ContractCheck) -> None:
         """Print what imports ROS and must not."""
-        output.print_error("Only nodes, bha_common.ros_* and robot_client may import ROS:")
+        output.print_error(
+            "Only nodes, bha_common.ros_* and the client of the graph may import ROS:"
+        )
         for importer, imported, line in check.metadata["violations"]:
             output.print_error(f"- {importer} -> {imported} (line {line})", bold=False)

@@ -22,8 +22,8 @@ from bha_bringup.robot_client import (
     BabbleFeedback,
     IdentifyFeedback,
     RobotClient,
-    refuse_second_graph,
 )
+from bha_bringup.robot_connection import refuse_second_graph
 from bha_goal_babbling.checkpoint import load_checkpoint
 from bha_goal_babbling.task import Task, find_task
 

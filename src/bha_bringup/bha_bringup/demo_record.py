@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bha_bringup.demo_settings import DemoSettings
-from bha_bringup.robot_client import Recording
+from bha_bringup.recording import Recording
 from bha_common.files import atomic_write
 
 Array = NDArray[np.float64]

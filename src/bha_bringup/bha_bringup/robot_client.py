@@ -2,33 +2,25 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import TracebackType
 from typing import Any
 
 import numpy as np
-from action_msgs.msg import GoalStatus
 from bha_interfaces.action import Babble, Identify, ReachGoal
-from bha_interfaces.msg import LearningStatus, Pressures
+from bha_interfaces.msg import Pressures
 from bha_interfaces.srv import LoadModel, Reset, SaveModel, SetGoal
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetState
 from numpy.typing import NDArray
 from rcl_interfaces.srv import SetParametersAtomically
-from rclpy import init, ok, try_shutdown
-from rclpy.action import ActionClient
-from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
 
-from bha_bringup.graph import NAMESPACE
+from bha_bringup.recording import Recording
+from bha_bringup.robot_connection import RobotConnection, RobotError
 from bha_common.ros_messages import (
     lengths_from,
     nanoseconds,
@@ -41,13 +33,6 @@ from bha_common.ros_node import CONTROL_QOS, WATCHER_QOS
 Array = NDArray[np.float64]
 LEARNER, CONTROLLER = "learner", "pressure_ctrl"
 FEEDBACK, SIMULATOR, DRIVER = "cartesian_feedback", "simulator", "driver"
-
-_CALL_TIMEOUT = 10.0
-
-
-class RobotError(RuntimeError):
-    """The robot refused or did not answer; the message says which node and why."""
-
 
 IdentifyFeedback, BabbleFeedback, ReachFeedback = (
     Identify.Feedback,
@@ -76,81 +61,8 @@ class Reached:
     duration: float
 
 
-class Recording:
-    """What the robot did over a while.
-
-    Attributes
-    ----------
-    lengths, commands, pressures, tips : Lists of (time [s], array): measured and commanded lengths
-        [m] and pressures [Pa], shape (9,), and the tip [m], shape (3,).
-    """
-
-    def __init__(self) -> None:
-        self.lengths: list[tuple[float, Array]] = []
-        self.commands: list[tuple[float, Array]] = []
-        self.pressures: list[tuple[float, Array]] = []
-        self.tips: list[tuple[float, Array]] = []
-
-
-class RobotClient:
-    """A connection to a running graph; a context manager.
-
-    Parameters
-    ----------
-    watch : Called while waiting, about ten times a second; may raise to end the wait.
-    """
-
-    def __init__(self, watch: Callable[[], None] = lambda: None) -> None:
-        self._watch = watch
-        self._own_context = not ok()
-        if self._own_context:
-            # Ctrl-C must reach Python as an exception: what runs is to be cancelled first.
-            init(signal_handler_options=SignalHandlerOptions.NO)
-        self.node = Node("client", namespace=NAMESPACE)
-        self._executor = SingleThreadedExecutor()
-        self._executor.add_node(self.node)
-        self._clients: dict[str, Any] = {}
-        self.status: LearningStatus | None = None
-        self.diagnostics: dict[str, DiagnosticStatus] = {}
-        self.node.create_subscription(LearningStatus, "learning_status", self._take_status, 1)
-        self.node.create_subscription(DiagnosticArray, "/diagnostics", self._take_diagnostics, 50)
-
-    def __enter__(self) -> RobotClient:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """End the connection."""
-        self._executor.shutdown(timeout_sec=0.0)
-        self.node.destroy_node()
-        if self._own_context:
-            try_shutdown()
-
-    def nodes(self) -> set[str]:
-        """Names of the nodes of the graph that are there, without the namespace."""
-        found = self.node.get_node_names_and_namespaces()
-        return {name for name, namespace in found if namespace == NAMESPACE and name != "client"}
-
-    def wait(self, condition: Callable[[], bool], timeout: float) -> bool:
-        """Serve messages until a condition holds, at most `timeout` [s] of wall time."""
-        deadline = time.monotonic() + timeout
-        watch_due = 0.0
-        while not condition():
-            now = time.monotonic()
-            if now >= deadline:
-                return False
-            if now >= watch_due:
-                self._watch()
-                watch_due = now + 0.1
-            self._executor.spin_once(timeout_sec=min(0.05, deadline - now))
-        return True
+class RobotClient(RobotConnection):
+    """The services and actions of the graph as calls; a context manager."""
 
     def wait_for_graph(
         self, nodes: set[str], timeout: float = 60.0, *, chained: bool = True
@@ -177,7 +89,7 @@ class RobotClient:
             (ReachGoal, f"{FEEDBACK}/reach_goal"),
         ):
             if name.split("/")[0] in nodes:
-                self._action(kind, name)
+                self.action(kind, name)
         chained = chained and {LEARNER, CONTROLLER} <= nodes
         if chained and not self.wait(self._is_chained, timeout):
             raise RobotError(f"no commands of the learner reach the controller in {timeout:g} s")
@@ -197,7 +109,7 @@ class RobotClient:
     ) -> Identify.Result:
         """Let the controller learn its equilibrium model; 0 samples takes its parameter."""
         goal = Identify.Goal(samples=samples)
-        return self._run(Identify, f"{CONTROLLER}/identify", goal, progress)
+        return self.run(Identify, f"{CONTROLLER}/identify", goal, progress)
 
     def babble(
         self,
@@ -208,7 +120,7 @@ class RobotClient:
     ) -> Babble.Result:
         """Let the learner explore for a robot time [s]."""
         goal = Babble.Goal(duration=float(duration), restart=restart)
-        return self._run(Babble, f"{LEARNER}/babble", goal, progress)
+        return self.run(Babble, f"{LEARNER}/babble", goal, progress)
 
     def reach(
         self,
@@ -224,7 +136,7 @@ class RobotClient:
             goal=point_message(0, np.asarray(tip)), tolerance=tolerance, timeout=timeout
         )
         name = FEEDBACK if feedback else LEARNER
-        result = self._run(ReachGoal, f"{name}/reach_goal", goal, progress)
+        result = self.run(ReachGoal, f"{name}/reach_goal", goal, progress)
         tip = np.array([result.tip.x, result.tip.y, result.tip.z])
         return Reached(result.success, result.message, tip, result.error, result.duration)
 
@@ -321,83 +233,7 @@ class RobotClient:
 
         return end
 
-    def call(self, kind: Any, name: str, request: Any) -> Any:
-        """Call any service of the graph.
-
-        Raises
-        ------
-        RobotError
-            When it is not there or does not answer in time.
-        """
-        if name not in self._clients:
-            self._clients[name] = self.node.create_client(kind, name)
-        client = self._clients[name]
-        if not self.wait(client.service_is_ready, _CALL_TIMEOUT):
-            raise RobotError(f"the service {name} is not there: is the graph up (bha up)?")
-        future = client.call_async(request)
-        if not self.wait(future.done, _CALL_TIMEOUT):
-            raise RobotError(f"the service {name} does not answer")
-        return future.result()
-
-    def _action(self, kind: Any, name: str) -> Any:
-        if name not in self._clients:
-            self._clients[name] = ActionClient(self.node, kind, name)
-        client = self._clients[name]
-        if not self.wait(client.server_is_ready, _CALL_TIMEOUT):
-            raise RobotError(f"the action {name} is not there: is the graph up (bha up)?")
-        return client
-
-    def _run(self, kind: Any, name: str, goal: Any, progress: Callable[..., None] | None) -> Any:
-        """Run an action to its end; an exception on the way cancels it."""
-        client = self._action(kind, name)
-
-        def tell(message: Any) -> None:
-            if progress is not None:
-                progress(message.feedback)
-
-        accepted = client.send_goal_async(goal, feedback_callback=tell)
-        if not self.wait(accepted.done, _CALL_TIMEOUT):
-            raise RobotError(f"the action {name} does not answer")
-        handle = accepted.result()
-        if not handle.accepted:
-            why = self.status.mode if self.status is not None else "its log says why"
-            raise RobotError(f"{name} was refused ({why})")
-        ended = handle.get_result_async()
-        try:
-            self.wait(ended.done, timeout=float("inf"))
-        except BaseException:
-            handle.cancel_goal_async()
-            self._executor.spin_once(timeout_sec=0.2)
-            raise
-        outcome = ended.result()
-        if outcome.status == GoalStatus.STATUS_ABORTED:
-            raise RobotError(f"{name}: {outcome.result.message}")
-        return outcome.result
-
     def _success(self, node: str, response: Any) -> str:
         if not response.success:
             raise RobotError(f"{node}: {response.message}")
         return str(response.message)
-
-    def _take_status(self, message: LearningStatus) -> None:
-        self.status = message
-
-    def _take_diagnostics(self, message: DiagnosticArray) -> None:
-        for status in message.status:
-            self.diagnostics[status.name.removeprefix(f"{NAMESPACE}/")] = status
-
-
-def refuse_second_graph(patience: float = 1.0) -> None:
-    """Raise RobotError when nodes of a graph are there before one is started.
-
-    Parameters
-    ----------
-    patience : Wall time to look for them [s].
-    """
-    with RobotClient() as robot:
-        if robot.wait(lambda: bool(robot.nodes()), patience):
-            raise RobotError(
-                "a graph is running in this ROS domain already "
-                f"({', '.join(sorted(robot.nodes()))}): end it (bha stop), "
-                "or choose another domain, such as ROS_DOMAIN_ID=1"
-            )
