@@ -8,7 +8,7 @@ import numpy as np
 from bha_interfaces.action import ReachGoal
 from bha_interfaces.msg import LearningStatus
 from bha_interfaces.srv import SetGoal
-from geometry_msgs.msg import Point, PointStamped, PoseStamped
+from geometry_msgs.msg import PointStamped, PoseStamped
 from numpy.typing import NDArray
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle
@@ -17,10 +17,12 @@ from rclpy.task import Future
 from std_msgs.msg import Bool
 
 from bha_cartesian_feedback.goal_integrator import FeedbackSettings, GoalIntegrator
+from bha_common.ros_actions import with_progress
 from bha_common.ros_messages import (
     MessageError,
     goal_from,
     nanoseconds,
+    plain_point,
     point_message,
 )
 from bha_common.ros_node import CONTROL_QOS, LATCHED_QOS, OK, WARN, BhaNode, exit_with, run
@@ -189,15 +191,15 @@ class CartesianFeedback(BhaNode):
             elif self._tip is not None:
                 handle.publish_feedback(
                     ReachGoal.Feedback(
-                        tip=_point(self._tip), error=integrator.error, elapsed=integrator.elapsed
+                        tip=plain_point(self._tip),
+                        error=integrator.error,
+                        elapsed=integrator.elapsed,
                     )
                 )
 
-        timer = self.create_timer(0.2, tell, clock=self.steady_clock)
-        await done
-        self.destroy_timer(timer)
+        await with_progress(self, done, tell)
         assert self._tip is not None
-        result.tip = _point(self._tip)
+        result.tip = plain_point(self._tip)
         result.error, result.duration = integrator.error, integrator.elapsed
         result.success = integrator.arrived
         if handle.is_cancel_requested:
@@ -221,11 +223,6 @@ class CartesianFeedback(BhaNode):
         if integrator is None:
             return OK, "idle", {}
         return OK, "following a goal", {"error [m]": f"{integrator.error:.4f}"}
-
-
-def _point(tip: Array) -> Point:
-    x, y, z = tip.tolist()
-    return Point(x=x, y=y, z=z)
 
 
 def main() -> None:

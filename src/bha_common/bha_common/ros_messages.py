@@ -61,6 +61,13 @@ def point_message(time: int, point: Array) -> PointStamped:
     return message
 
 
+def plain_point(position: Array | None) -> Point:
+    """Make a point of up to three coordinates [m]; those that are not there are NaN."""
+    known = [] if position is None else position.tolist()
+    x, y, z = known + [math.nan] * (3 - len(known))
+    return Point(x=x, y=y, z=z)
+
+
 def lengths_from(message: JointState) -> Array:
     """Read lengths [m], shape (9,), in the order of `bellows.NAMES`.
 

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from bha_interfaces.action import Babble, ReachGoal
 from bha_interfaces.msg import LearningStatus
 from bha_interfaces.srv import SetGoal
-from geometry_msgs.msg import Point, PointStamped, PoseStamped
+from geometry_msgs.msg import PointStamped, PoseStamped
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.task import Future
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
 
-from bha_common.ros_messages import MessageError, check_measured_lengths, goal_from, stamp_message
+from bha_common.ros_actions import with_progress
+from bha_common.ros_messages import (
+    MessageError,
+    check_measured_lengths,
+    goal_from,
+    plain_point,
+    stamp_message,
+)
 from bha_common.ros_model_files import ModelFiles, ModelRefusedError
 from bha_common.ros_node import CONTROL_QOS, LATCHED_QOS, OK, WARN, BhaNode, exit_with, run
 from bha_common.ros_parameters import declare_settings
@@ -25,6 +31,7 @@ from bha_common.settings import check_settings, setting
 from bha_common.stamps import StreamClock, check_command_stamp
 from bha_goal_babbling.arrays import FloatArray
 from bha_goal_babbling.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from bha_goal_babbling.command_timing import TIP_LOST, CommandTiming
 from bha_goal_babbling.learner import Learner, RefusedError
 from bha_goal_babbling.learner_settings import LearnerSettings
 from bha_goal_babbling.task import find_task
@@ -64,8 +71,7 @@ class LearnerNode(BhaNode):
         )
         self._files.load_at_start()
         self._robot_clock = StreamClock(self._robot_restarted, max_gap=_MAX_GAP)
-        self._period_ns = round(settings.command_period * 1e9)
-        self._due: int | None = None  # time of the command that waits for its tip [ns]
+        self._timing = CommandTiming(settings.command_period, self._settings.tip_timeout)
         self._saved_at = self._learner.exploration_time
         self._babbled: Future | None = None
         self._reached: Future | None = None
@@ -88,13 +94,9 @@ class LearnerNode(BhaNode):
         before = self._robot_clock.now
         self._robot_clock.advance(stamp)
         self._learner.see_lengths(stamp, lengths)
-        if self._due is not None:
-            self._command_if_ready(stamp)
-        # At each multiple of the period, or when one was passed: stamps may lie anywhere.
-        period = self._period_ns
-        if stamp % period == 0 or (before is not None and stamp // period > before // period):
-            self._due = stamp
-            self._command_if_ready(stamp)
+        self._command_if_ready(stamp)  # one that has waited for its tip
+        self._timing.advance(before, stamp)
+        self._command_if_ready(stamp)
 
     def _take_tip(self, stamp: int, tip: FloatArray) -> None:
         if self._robot_clock.now is None:
@@ -104,18 +106,12 @@ class LearnerNode(BhaNode):
         if newest is not None and stamp <= newest:
             raise MessageError(f"stamp {stamp * 1e-9:.3f} s is not newer than the last one")
         self._learner.see_tip(stamp, tip)
-        if self._due is not None:
-            self._command_if_ready(self._robot_clock.now or stamp)
+        self._command_if_ready(self._robot_clock.now or stamp)
 
     def _command_if_ready(self, now: int) -> None:
-        """Command once the tip of this period is there, or does not come any more."""
-        due, tip = self._due, self._learner.newest_tip
-        assert due is not None
-        lost = tip is None or due - tip > 1_000_000_000
-        waited = now - due >= round(self._settings.tip_timeout * 1e9)
-        if not lost and not waited and tip is not None and tip < due:
+        due = self._timing.take(now, self._learner.newest_tip)
+        if due is None:
             return
-        self._due = None
         lengths = self._learner.update(due)
         if lengths is not None:
             self._commands.publish(encode_lengths(due, lengths))
@@ -151,7 +147,7 @@ class LearnerNode(BhaNode):
     def _robot_restarted(self) -> None:
         self.get_logger().warning("the robot's time has begun anew: holding where it is")
         self._learner.robot_restarted()
-        self._due = None
+        self._timing.forget()
         self._settle_actions()
 
     def _set_goal(self, request: SetGoal.Request, response: SetGoal.Response) -> SetGoal.Response:
@@ -182,12 +178,12 @@ class LearnerNode(BhaNode):
             elif reach.tip is not None:
                 handle.publish_feedback(
                     ReachGoal.Feedback(
-                        tip=_point(reach.tip), error=reach.error, elapsed=reach.elapsed
+                        tip=plain_point(reach.tip), error=reach.error, elapsed=reach.elapsed
                     )
                 )
 
-        await self._with_progress(done, tell)
-        result.tip = _point(reach.tip)
+        await with_progress(self, done, tell)
+        result.tip = plain_point(reach.tip)
         result.error, result.duration = reach.error, reach.elapsed
         outcome = reach.result
         result.success = outcome is not None and outcome.settled
@@ -228,7 +224,7 @@ class LearnerNode(BhaNode):
                 status = self._status_message(self._robot_clock.now or 0)
                 handle.publish_feedback(Babble.Feedback(status=status, elapsed=session.elapsed))
 
-        await self._with_progress(done, tell)
+        await with_progress(self, done, tell)
         result.status = self._status_message(self._robot_clock.now or 0)
         if handle.is_cancel_requested:
             result.message = "cancelled; everything learned so far is kept"
@@ -241,11 +237,6 @@ class LearnerNode(BhaNode):
             handle.abort()
         return result
 
-    async def _with_progress(self, done: Future, tell: Callable[[], None]) -> None:
-        timer = self.create_timer(0.2, tell, clock=self.steady_clock)
-        await done
-        self.destroy_timer(timer)
-
     def _status_message(self, stamp: int) -> LearningStatus:
         babbler = self._learner.babbler
         message = LearningStatus(
@@ -253,7 +244,7 @@ class LearnerNode(BhaNode):
             task=self._learner.task.name,
             exploration_time=self._learner.exploration_time,
             recent_error=float("nan"),
-            goal=_point(self._learner.goal),
+            goal=plain_point(self._learner.goal),
         )
         message.header.stamp = stamp_message(stamp)
         if babbler is not None:
@@ -293,7 +284,7 @@ class LearnerNode(BhaNode):
         now, tip = self._robot_clock.now, learner.newest_tip
         if now is None:
             return WARN, "no lengths yet", values
-        if tip is None or now - tip > 1_000_000_000:
+        if tip is None or now - tip > TIP_LOST:
             return WARN, "no tip: babbling waits, and errors cannot be told", values
         if learner.failure:
             return WARN, learner.failure, values
@@ -302,14 +293,6 @@ class LearnerNode(BhaNode):
     def close(self) -> None:
         """Keep what was learned."""
         self._checkpoint()
-
-
-def _point(point: FloatArray | None) -> Point:
-    """Make a point of up to three coordinates; those that are not there are NaN."""
-    x, y, z = ([] if point is None else point.tolist()) + [float("nan")] * (
-        3 if point is None else 3 - point.size
-    )
-    return Point(x=x, y=y, z=z)
 
 
 def main() -> None:
