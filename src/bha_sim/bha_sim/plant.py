@@ -11,25 +11,18 @@ from __future__ import annotations
 
 import math
 
-import mujoco
 import numpy as np
 
 from bha_common import bellows
 from bha_sim.disturbances import Disturbances
-from bha_sim.disturbed_model import DisturbedModel
-from bha_sim.divergence import why_diverged
-from bha_sim.errors import PlantDivergedError, RobotParameterError
-from bha_sim.mujoco_model import build_model
+from bha_sim.errors import PlantDivergedError
+from bha_sim.mechanics import Mechanics
 from bha_sim.parameter_checks import Array
 from bha_sim.plant_state import PlantSnapshot, PlantState
 from bha_sim.pneumatics import Pneumatics
 from bha_sim.potentiometers import Potentiometers
 from bha_sim.robot_parameters import RobotParameters
 from bha_sim.visco_elasticity import ViscoElasticity
-
-_STATE = mujoco.mjtState.mjSTATE_INTEGRATION
-_REST_SPEED = 1e-9  # [m/s] and [rad/s]
-_REST_TIME = 120.0  # [s]
 
 
 class Plant:
@@ -55,11 +48,8 @@ class Plant:
     ) -> None:
         if not (math.isfinite(control_period) and control_period > 0.0):
             raise ValueError(f"control_period must be above 0 s, got {control_period}")
-        # A little slack, so that rounding does not cost a step.
-        steps = max(1, math.ceil(control_period / parameters.max_time_step - 1e-9))
         self.parameters = parameters
         self.control_period = control_period
-        self._steps = steps
         self._max_pressure = parameters.pneumatics.max_pressure
         self._visco = ViscoElasticity(
             parameters.relaxation,
@@ -67,23 +57,16 @@ class Plant:
             parameters.trunk.discs_per_segment,
             control_period,
         )
-        trunk = build_model(parameters, self._visco.stiffness_factors, control_period / steps)
-        self._model, self._data = trunk.model, mujoco.MjData(trunk.model)
-        self._disturbances, self._disturbed = Disturbances(), DisturbedModel(trunk)
-        # Views into MuJoCo's own memory: read and written every tick without a look-up.
-        self._extensions = self._data.ten_length[trunk.pieces]
-        self._lengths = self._data.ten_length[trunk.bellows]
-        self._spring_range = self._model.tendon_lengthspring[trunk.pieces]
-        self._applied = self._data.ctrl
-        self._tip = self._data.xpos[trunk.tip_body]
-        self._tip_quaternion = self._data.xquat[trunk.tip_body]
-        self._centres = np.zeros(len(self._extensions))
-        self._centre_column = self._centres[:, None]
+        mechanics = Mechanics(parameters, self._visco.stiffness_factors, control_period)
+        self._mechanics = mechanics
+        # Held here too: a look-up fewer in every tick.
+        self._extensions, self._centres = mechanics.extensions, mechanics.centres
+        self._lengths = mechanics.lengths
+        self._disturbances = Disturbances()
         self._ticks = 0
         self._diverged = ""
-        self._come_to_rest()
-        self._rest = np.empty(mujoco.mj_stateSize(self._model, _STATE))
-        mujoco.mj_getState(self._model, self._data, self._rest, _STATE)
+        mechanics.come_to_rest(lambda: self._visco.relax(self._extensions, self._centres))
+        self._rest = mechanics.state
 
         self._seed = seed
         pneumatic_seed, sensor_seed = np.random.SeedSequence(seed).spawn(2)
@@ -111,7 +94,8 @@ class Plant:
         """
         self._pneumatics.disturb(disturbances)
         self._potentiometers.disturb(disturbances)
-        self._disturb_mechanics(disturbances)
+        self._disturbances = disturbances
+        self._mechanics.disturb(disturbances)
 
     def step(self, pressures: Array) -> PlantState:
         """Apply pressures for one control period.
@@ -135,9 +119,9 @@ class Plant:
         if self._diverged:
             raise PlantDivergedError(f"{self._diverged}; reset or restore the plant to go on")
         command = np.minimum(np.maximum(command, 0.0), self._max_pressure)
-        self._applied[:] = self._pneumatics.step(command)
+        self._mechanics.pressures[:] = self._pneumatics.step(command)
         self._visco.update(self._extensions, self._centres)
-        self._integrate(self._steps)
+        self._mechanics.integrate()
         self._ticks += 1
         self._guard()
         self._state = self._observe()
@@ -154,7 +138,8 @@ class Plant:
         seed : Seeds the noise; None takes the same seed again.
         """
         self._seed = self._seed if seed is None else seed
-        self._load_mechanics(self._rest)
+        self._mechanics.load(self._rest)
+        self._diverged = ""
         self._visco.relax(self._extensions, self._centres)
         pneumatic_seed, sensor_seed = np.random.SeedSequence(self._seed).spawn(2)
         self._pneumatics.reset(pneumatic_seed)
@@ -165,11 +150,9 @@ class Plant:
 
     def save_state(self) -> PlantSnapshot:
         """Take a snapshot from which `restore_state` continues exactly, noise included."""
-        mechanics = np.empty_like(self._rest)
-        mujoco.mj_getState(self._model, self._data, mechanics, _STATE)
         return PlantSnapshot(
             ticks=self._ticks,
-            mechanics=mechanics,
+            mechanics=self._mechanics.state,
             viscoelastic=self._visco.state,
             centres=self._centres.copy(),
             pneumatics=self._pneumatics.state,
@@ -182,7 +165,8 @@ class Plant:
     def restore_state(self, snapshot: PlantSnapshot) -> PlantState:
         """Go back to a snapshot of a plant with the same parameters and control period."""
         self.disturb(snapshot.disturbances)
-        self._load_mechanics(snapshot.mechanics)
+        self._mechanics.load(snapshot.mechanics)
+        self._diverged = ""
         self._visco.state = snapshot.viscoelastic
         self._centres[:] = snapshot.centres
         self._pneumatics.state = snapshot.pneumatics
@@ -192,58 +176,11 @@ class Plant:
         self._state = snapshot.state
         return self._state
 
-    def _disturb_mechanics(self, disturbances: Disturbances) -> None:
-        self._disturbances = disturbances
-        if self._disturbed.apply(disturbances):
-            # The mass matrix of the next step is computed already: again, with the new mass.
-            mujoco.mj_step1(self._model, self._data)
-
-    def _integrate(self, steps: int) -> None:
-        """Advance the mechanics; positions and velocities are evaluated at the end, and stay so."""
-        self._spring_range[:] = self._centre_column
-        model, data = self._model, self._data
-        # The springs' centres and the pressures are new: passive forces first, the rest follows.
-        mujoco.mj_passive(model, data)
-        mujoco.mj_step2(model, data)
-        if steps > 1:
-            mujoco.mj_step(model, data, nstep=steps - 1)
-        mujoco.mj_step1(model, data)
-
-    def _come_to_rest(self) -> None:
-        """Hang vented until nothing moves, with all creep and hysteresis relaxed."""
-        mujoco.mj_step1(self._model, self._data)
-        for _ in range(math.ceil(_REST_TIME / self.control_period)):
-            self._visco.relax(self._extensions, self._centres)
-            self._integrate(self._steps)
-            if np.count_nonzero(self._data.warning.number):
-                reason = why_diverged(self._model, self._data)
-                raise RobotParameterError(f"the vented trunk does not hang at rest: {reason}")
-            if np.abs(self._data.qvel).max() < _REST_SPEED:
-                break
-        else:
-            raise RobotParameterError(
-                f"the vented trunk still moves after {_REST_TIME:g} s: trunk.damping_time "
-                f"({self.parameters.trunk.damping_time:g} s) is too small or too large"
-            )
-        self._data.qvel[:] = 0.0
-        self._data.time = 0.0
-        mujoco.mj_step1(self._model, self._data)
-        self._visco.relax(self._extensions, self._centres)
-
-    def _load_mechanics(self, mechanics: Array) -> None:
-        mujoco.mj_setState(self._model, self._data, mechanics, _STATE)
-        for warning in self._data.warning:
-            warning.number = 0
-        self._diverged = ""
-        mujoco.mj_step1(self._model, self._data)
-
     def _guard(self) -> None:
-        """Stop with a reason when MuJoCo warned; it checks all positions and velocities itself."""
-        if np.count_nonzero(self._data.warning.number):
-            reason = why_diverged(self._model, self._data)
-            self._diverged = (
-                f"the plant diverged at {self._ticks * self.control_period:.2f} s: {reason}"
-            )
+        """Stop with a reason when the motion diverged."""
+        if reason := self._mechanics.diverged:
+            time = self._ticks * self.control_period
+            self._diverged = f"the plant diverged at {time:.2f} s: {reason}"
             raise PlantDivergedError(self._diverged)
 
     def _observe(self) -> PlantState:
@@ -252,9 +189,9 @@ class Plant:
         self._potentiometers.measure(self._lengths, block[0:9])
         self._pneumatics.measure(block[9:18])
         block[18:27] = self._lengths
-        block[27:30] = self._tip
-        block[30:33] = self._tip_quaternion[1:]
-        block[33] = self._tip_quaternion[0]
+        block[27:30] = self._mechanics.tip
+        block[30:33] = self._mechanics.tip_quaternion[1:]
+        block[33] = self._mechanics.tip_quaternion[0]
         block.setflags(write=False)
         return PlantState(
             time=self._ticks * self.control_period,

@@ -162,7 +162,7 @@ def test_a_payload_has_inertia():
     light, loaded = (np.linalg.norm(robot.state.tip[:2]) for robot in robots)
     assert loaded < 0.5 * light
     # And a step changes nothing of the mass that MuJoCo knows: discs, tool and payload.
-    model = robots[1]._model
+    model = robots[1]._mechanics.model
     assert model.body_subtreemass[1] == pytest.approx(0.70 + 0.55 + 0.40 + 0.15 + 1.0)
 
 

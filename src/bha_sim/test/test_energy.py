@@ -26,7 +26,7 @@ def plant(robot: int) -> Plant:
 
 def energy(robot: Plant) -> float:
     """Mechanical energy [J] from the robot's own parameters, not from what MuJoCo makes of them."""
-    model, data, parameters = robot._model, robot._data, robot.parameters
+    model, data, parameters = robot._mechanics.model, robot._mechanics.data, robot.parameters
     elastic, trunk = parameters.bellows, parameters.trunk
     discs = trunk.discs_per_segment
     matrix = np.zeros((model.nv, model.nv))
@@ -84,9 +84,9 @@ def test_it_never_grows_after_a_blow(robot_seed):
     rng = np.random.default_rng(robot_seed)
     push(robot, rng.uniform(0.0, MAX, 9), 1.0)
     # As if struck: every joint gets a speed of its own, and the tip some metres a second.
-    speeds = np.tile([0.5, 2.0, 2.0, 2.0], robot._model.nv // 4)
-    robot._data.qvel[:] += speeds * rng.uniform(-1.0, 1.0, robot._model.nv)
-    mujoco.mj_step1(robot._model, robot._data)
+    speeds = np.tile([0.5, 2.0, 2.0, 2.0], robot._mechanics.model.nv // 4)
+    robot._mechanics.data.qvel[:] += speeds * rng.uniform(-1.0, 1.0, robot._mechanics.model.nv)
+    mujoco.mj_step1(robot._mechanics.model, robot._mechanics.data)
     assert growth(course(robot)) <= 1e-9
 
 

@@ -202,8 +202,12 @@ def test_it_is_slow_and_remembers():
 def test_full_pressure_does_not_twist_the_trunk(robot_seed):
     robot = plant(robot_seed)
     hold(robot, np.full(9, MAX), 30.0)
-    twists = [name for name in range(robot._model.njnt) if "twist" in robot._model.joint(name).name]
-    total = np.abs(robot._data.qpos[twists]).sum()
+    twists = [
+        name
+        for name in range(robot._mechanics.model.njnt)
+        if "twist" in robot._mechanics.model.joint(name).name
+    ]
+    total = np.abs(robot._mechanics.data.qpos[twists]).sum()
     assert total < np.radians(3.0)
 
 
@@ -213,7 +217,7 @@ def diverged(tmp_path, monkeypatch) -> Plant:
     monkeypatch.chdir(tmp_path)
     robot = plant()
     run(robot, commands(20))
-    robot._data.qvel[5] = np.nan
+    robot._mechanics.data.qvel[5] = np.nan
     with pytest.raises(PlantDivergedError, match=r"joints not finite: stretch_1_1.*mjWARN_BADQPOS"):
         run(robot, commands(20))
     return robot
@@ -236,7 +240,7 @@ def test_a_diverged_plant_can_be_restored(diverged):
 def test_a_finite_explosion_is_noticed(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     robot = plant()
-    robot._data.qvel[0] = 1e12
+    robot._mechanics.data.qvel[0] = 1e12
     with pytest.raises(PlantDivergedError, match="mjWARN_BADQ"):
         run(robot, commands(20))
 
