@@ -18,7 +18,7 @@ import yaml
 
 from bha_bringup.cli import app
 from bha_bringup.graph import NAMESPACE, GraphSettings, describe_graph
-from bha_common import ros_model_files, ros_node
+from bha_common import ros_goals, ros_model_files, ros_node
 from bha_common.ros_parameters import declare_settings
 from bha_goal_babbling import task as task_module
 from bha_goal_babbling.babbler_config import GoalBabblerConfig
@@ -133,7 +133,10 @@ def endpoints(functions: dict[str, tuple[int, int]]) -> dict[tuple[str, str], se
     """
     users: dict[tuple[str, str], set[str]] = defaultdict(set)
     shared = [
-        (node, ros_model_files) for node, module in NODES.items() if calls(module, "ModelFiles")
+        (node, server)
+        for node, module in NODES.items()
+        for used, server in (("ModelFiles", ros_model_files), ("GoalServer", ros_goals))
+        if calls(module, used)
     ]
     for node, module in [*NODES.items(), (EVERY_NODE, ros_node), *shared]:
         for function, (kind, name) in functions.items():

@@ -5,24 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from bha_interfaces.action import ReachGoal
 from bha_interfaces.msg import LearningStatus
 from bha_interfaces.srv import SetGoal
 from geometry_msgs.msg import PointStamped, PoseStamped
 from numpy.typing import NDArray
-from rclpy.action import ActionServer, CancelResponse
-from rclpy.action.server import ServerGoalHandle
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.task import Future
 from std_msgs.msg import Bool
 
 from bha_cartesian_feedback.goal_integrator import FeedbackSettings, GoalIntegrator
-from bha_common.ros_actions import with_progress
+from bha_common.ros_goals import GoalServer, Mover
 from bha_common.ros_messages import (
     MessageError,
     goal_from,
     nanoseconds,
-    plain_point,
     point_message,
 )
 from bha_common.ros_node import CONTROL_QOS, LATCHED_QOS, OK, WARN, BhaNode, exit_with, run
@@ -61,7 +57,6 @@ class CartesianFeedback(BhaNode):
         self._mode = ""
         self._stopped = False
         self._began = 0  # robot time [ns]
-        self._reached: Future | None = None
         self._targets = self.create_publisher(PointStamped, "target", CONTROL_QOS)
         self.subscribe_stream(PoseStamped, "tip", self._take_tip)
         self.create_subscription(LearningStatus, "learning_status", self._take_status, 10)
@@ -69,13 +64,18 @@ class CartesianFeedback(BhaNode):
         # Apart from the services: one of them waits for the learner's answer.
         self._calls = ReentrantCallbackGroup()
         self._learner = self.create_client(SetGoal, "learner/set_goal", callback_group=self._calls)
-        self.create_service(SetGoal, "~/set_goal", self._set_goal)
-        self._action = ActionServer(
+        self._goals = GoalServer(
             self,
-            ReachGoal,
-            "~/reach_goal",
-            self._reach,
-            cancel_callback=lambda _: CancelResponse.ACCEPT,
+            Mover(
+                begin=self._begin,
+                current=lambda: self._integrator,
+                halt=self._end,
+                tip=lambda _: self._tip,
+                success=lambda integrator: integrator.arrived if integrator.done else None,
+                arrived="arrived",
+                late="not there within the time",
+                ended="ended by another goal, the learner, or an emergency stop",
+            ),
         )
 
     def _take_tip(self, stamp: int, tip: Array) -> None:
@@ -86,7 +86,7 @@ class CartesianFeedback(BhaNode):
             return
         target = integrator.update(stamp * 1e-9, tip)
         self._targets.publish(point_message(stamp, target))
-        if self._reached is not None and integrator.done:
+        if self._goals.awaited and integrator.done:
             self._end()
 
     def _take_status(self, message: LearningStatus) -> None:
@@ -111,13 +111,9 @@ class CartesianFeedback(BhaNode):
     def _end(self) -> None:
         """Stop to move the target; the learner holds the last one."""
         self._integrator = None
-        if self._reached is not None:
-            self._reached.set_result(None)
-            self._reached = None
+        self._goals.settle()
 
-    async def _begin(
-        self, goal: PointStamped, tolerance: float = 0.0, timeout: float = 0.0
-    ) -> GoalIntegrator:
+    async def _begin(self, goal: PointStamped, tolerance: float, timeout: float) -> GoalIntegrator:
         point = goal_from(goal)
         for name, value in (("tolerance", tolerance), ("timeout", timeout)):
             if not (np.isfinite(value) and value >= 0.0):
@@ -163,55 +159,6 @@ class CartesianFeedback(BhaNode):
             raise MessageError(f"the learner did not answer within {_LEARNER_TIMEOUT:g} s")
         if not answer.accepted:
             raise MessageError(answer.message)
-
-    async def _set_goal(
-        self, request: SetGoal.Request, response: SetGoal.Response
-    ) -> SetGoal.Response:
-        try:
-            integrator = await self._begin(request.goal)
-            response.accepted = True
-            response.message = f"on the way to {np.round(integrator.goal, 4).tolist()} m"
-        except MessageError as error:
-            response.message = str(error)
-        return response
-
-    async def _reach(self, handle: ServerGoalHandle) -> ReachGoal.Result:
-        result, request = ReachGoal.Result(), handle.request
-        try:
-            integrator = await self._begin(request.goal, request.tolerance, request.timeout)
-        except MessageError as error:
-            result.message = str(error)
-            handle.abort()
-            return result
-        self._reached = done = Future()
-
-        def tell() -> None:
-            if handle.is_cancel_requested and self._integrator is integrator:
-                self._end()
-            elif self._tip is not None:
-                handle.publish_feedback(
-                    ReachGoal.Feedback(
-                        tip=plain_point(self._tip),
-                        error=integrator.error,
-                        elapsed=integrator.elapsed,
-                    )
-                )
-
-        await with_progress(self, done, tell)
-        assert self._tip is not None
-        result.tip = plain_point(self._tip)
-        result.error, result.duration = integrator.error, integrator.elapsed
-        result.success = integrator.arrived
-        if handle.is_cancel_requested:
-            result.message = "cancelled; holding"
-            handle.canceled()
-        elif integrator.done:
-            result.message = "arrived" if integrator.arrived else "not there within the time"
-            handle.succeed()
-        else:
-            result.message = "ended by another goal, the learner, or an emergency stop"
-            handle.abort()
-        return result
 
     def diagnose(self) -> tuple[bytes, str, dict[str, str]]:
         """Tell what the feedback does."""

@@ -23,6 +23,7 @@ from rclpy.qos import (
     ReliabilityPolicy,
     qos_profile_sensor_data,
 )
+from rclpy.task import Future
 
 from bha_common.files import ModelFileError
 from bha_common.ros_intake import Intake
@@ -52,6 +53,7 @@ WATCHER_QOS = qos_profile_sensor_data
 
 _HOUSEKEEPING_PERIOD = 0.02
 _DIAGNOSTICS_PERIOD = 1.0
+_PROGRESS_PERIOD = 0.2
 _HANDLERS_A_ROUND = 8
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
@@ -98,6 +100,12 @@ class BhaNode(Node):
     def diagnose(self) -> tuple[bytes, str, dict[str, str]]:
         """Tell level, summary and values for `/diagnostics`; nodes override this."""
         return OK, "running", {}
+
+    async def with_progress(self, done: Future, tell: Callable[[], None]) -> None:
+        """Wait until something is done, and tell of it now and then until it is."""
+        timer = self.create_timer(_PROGRESS_PERIOD, tell, clock=self.steady_clock)
+        await done
+        self.destroy_timer(timer)
 
     def work(self) -> float:
         """Do what is due by wall time, and tell the seconds until the next call is due."""

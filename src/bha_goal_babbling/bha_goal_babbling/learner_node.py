@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from bha_interfaces.action import Babble, ReachGoal
+from bha_interfaces.action import Babble
 from bha_interfaces.msg import LearningStatus
-from bha_interfaces.srv import SetGoal
 from geometry_msgs.msg import PointStamped, PoseStamped
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
@@ -15,7 +14,7 @@ from rclpy.task import Future
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
 
-from bha_common.ros_actions import with_progress
+from bha_common.ros_goals import GoalServer, Mover
 from bha_common.ros_messages import (
     MessageError,
     check_measured_lengths,
@@ -34,6 +33,7 @@ from bha_goal_babbling.checkpoint import Checkpoint, load_checkpoint, save_check
 from bha_goal_babbling.command_timing import TIP_LOST, CommandTiming
 from bha_goal_babbling.learner import Learner, RefusedError
 from bha_goal_babbling.learner_settings import LearnerSettings
+from bha_goal_babbling.reach import Reach
 from bha_goal_babbling.task import find_task
 
 _MAX_GAP = 2.0  # [s] between two states; more is doubted
@@ -74,7 +74,6 @@ class LearnerNode(BhaNode):
         self._timing = CommandTiming(settings.command_period, self._settings.tip_timeout)
         self._saved_at = self._learner.exploration_time
         self._babbled: Future | None = None
-        self._reached: Future | None = None
 
         self._commands = self.create_publisher(JointState, "length_command", CONTROL_QOS)
         self._status = self.create_publisher(LearningStatus, "learning_status", CONTROL_QOS)
@@ -82,12 +81,27 @@ class LearnerNode(BhaNode):
         self.subscribe_stream(JointState, "lengths", self._take_lengths)
         self.subscribe_stream(PointStamped, "target", self._take_target)
         self.create_subscription(Bool, "emergency_stop_active", self._take_stop, LATCHED_QOS)
-        self.create_service(SetGoal, "~/set_goal", self._set_goal)
-        accept = {"cancel_callback": lambda _: CancelResponse.ACCEPT}
-        self._babble_action = ActionServer(
-            self, Babble, "~/babble", self._babble, goal_callback=self._accept_babble, **accept
+        self._goals = GoalServer(
+            self,
+            Mover(
+                begin=self._begin_reach,
+                current=lambda: self._learner.reach,
+                halt=self._halt,
+                tip=lambda reach: reach.tip,
+                success=lambda reach: None if reach.result is None else reach.result.settled,
+                arrived="at rest",
+                late="not at rest within the time",
+                ended="ended by another goal, a target, or an emergency stop",
+            ),
         )
-        self._reach_action = ActionServer(self, ReachGoal, "~/reach_goal", self._reach, **accept)
+        self._babble_action = ActionServer(
+            self,
+            Babble,
+            "~/babble",
+            self._babble,
+            goal_callback=self._accept_babble,
+            cancel_callback=lambda _: CancelResponse.ACCEPT,
+        )
 
     def _take_lengths(self, stamp: int, lengths: FloatArray) -> None:
         check_measured_lengths(lengths)
@@ -126,9 +140,8 @@ class LearnerNode(BhaNode):
             self._checkpoint()
             self._babbled.set_result(None)
             self._babbled = None
-        if learner.reach is None and self._reached is not None:
-            self._reached.set_result(None)
-            self._reached = None
+        if learner.reach is None:
+            self._goals.settle()
 
     def _take_target(self, stamp: int, target: FloatArray) -> None:
         check_command_stamp(stamp, self._robot_clock.now, self._settings.max_age)
@@ -150,53 +163,15 @@ class LearnerNode(BhaNode):
         self._timing.forget()
         self._settle_actions()
 
-    def _set_goal(self, request: SetGoal.Request, response: SetGoal.Response) -> SetGoal.Response:
+    def _halt(self) -> None:
+        self._learner.halt()
+        self._settle_actions()
+
+    async def _begin_reach(self, goal: PointStamped, tolerance: float, timeout: float) -> Reach:
         try:
-            reach = self._learner.go_to(goal_from(request.goal))
-            response.accepted = True
-            response.message = f"on the way to {np.round(reach.goal, 4).tolist()} m"
-        except (MessageError, RefusedError) as error:
-            response.message = str(error)
-        return response
-
-    async def _reach(self, handle: ServerGoalHandle) -> ReachGoal.Result:
-        request, result = handle.request, ReachGoal.Result()
-        try:
-            reach = self._learner.go_to(goal_from(request.goal), request.tolerance, request.timeout)
-        except (MessageError, RefusedError) as error:
-            result.message = str(error)
-            handle.abort()
-            return result
-        if self._reached is not None:  # a movement that this one overtakes
-            self._reached.set_result(None)
-        self._reached = done = Future()
-
-        def tell() -> None:
-            if handle.is_cancel_requested and self._learner.reach is reach:
-                self._learner.halt()
-                self._settle_actions()
-            elif reach.tip is not None:
-                handle.publish_feedback(
-                    ReachGoal.Feedback(
-                        tip=plain_point(reach.tip), error=reach.error, elapsed=reach.elapsed
-                    )
-                )
-
-        await with_progress(self, done, tell)
-        result.tip = plain_point(reach.tip)
-        result.error, result.duration = reach.error, reach.elapsed
-        outcome = reach.result
-        result.success = outcome is not None and outcome.settled
-        if handle.is_cancel_requested:
-            result.message = "cancelled; holding"
-            handle.canceled()
-        elif outcome is None:
-            result.message = "ended by another goal, a target, or an emergency stop"
-            handle.abort()
-        else:
-            result.message = "at rest" if outcome.settled else "not at rest within the time"
-            handle.succeed()
-        return result
+            return self._learner.go_to(goal_from(goal), tolerance, timeout)
+        except RefusedError as error:
+            raise MessageError(str(error)) from error
 
     def _accept_babble(self, goal: Babble.Goal) -> GoalResponse:
         reason = self._learner.why_not_babble(goal.duration)
@@ -218,13 +193,12 @@ class LearnerNode(BhaNode):
 
         def tell() -> None:
             if handle.is_cancel_requested and self._learner.session is session:
-                self._learner.halt()
-                self._settle_actions()
+                self._halt()
             else:
                 status = self._status_message(self._robot_clock.now or 0)
                 handle.publish_feedback(Babble.Feedback(status=status, elapsed=session.elapsed))
 
-        await with_progress(self, done, tell)
+        await self.with_progress(done, tell)
         result.status = self._status_message(self._robot_clock.now or 0)
         if handle.is_cancel_requested:
             result.message = "cancelled; everything learned so far is kept"
