@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -142,8 +143,10 @@ def test_runs_of_other_code_are_not_used(
     ("edited", "matters"),
     [
         ("benchmarks.arm.linear", True),
+        ("benchmarks.arm.linear_babbling", True),
         ("bha_goal_babbling.recursive_maps", True),
         ("benchmarks.arm.drift", False),
+        ("benchmarks.engine.page", False),
         ("bha_sim.plant", False),
     ],
 )
@@ -159,6 +162,26 @@ def test_the_code_behind_a_table_is_what_it_imports(
         provenance, "_source", lambda module: other if module == edited else find(module)
     )
     after = provenance.fingerprint.__wrapped__("benchmarks.arm.linear")
+    assert (after != before) == matters
+
+
+@pytest.mark.parametrize(("package", "matters"), [("bha_sim", True), ("bha_driver", False)])
+def test_the_settings_of_the_packages_behind_a_table_belong_to_it(
+    package: str, matters: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = provenance.fingerprint("benchmarks.trunk.bha_learning")
+    source = provenance._source(package)
+    copy = tmp_path / package
+    shutil.copytree(source.parents[1] / "config", copy / "config")
+    with next((copy / "config").glob("*.yaml")).open("a") as stream:
+        stream.write("# edited\n")
+    find = provenance._source
+    monkeypatch.setattr(
+        provenance,
+        "_source",
+        lambda name: copy / package / source.name if name == package else find(name),
+    )
+    after = provenance.fingerprint.__wrapped__("benchmarks.trunk.bha_learning")
     assert (after != before) == matters
 
 
