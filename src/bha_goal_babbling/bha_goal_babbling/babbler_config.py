@@ -12,6 +12,7 @@ NOISE_ORIGINS = ("zero", "home")
 DIRECTIONS = ("plain", "none")
 EFFICIENCIES = ("plain", "relative", "none")
 MODELS = ("local_linear_maps", "recursive_maps")
+FORWARD_MODELS = ("none", "polynomial")
 
 
 @dataclass(frozen=True)
@@ -87,6 +88,17 @@ class GoalBabblerConfig:
         unit: 0 ends in plain least squares, a larger one follows a robot that changes.
     blend_samples : float
         Number of samples after which recursive maps learn what their blend misses.
+    forward_model : str
+        "polynomial" learns a forward model of the examples as well, and refines with it what the
+        inverse model answers (see `BodyModel`); "none", as in the literature, does not.
+    outcome_noise : float
+        Standard deviation of an entry of the outcome that no action explains: what the forward
+        model takes an example for [outcome unit].
+    offset_spread : float
+        Standard deviation of what a sensor of the actions is off by, as it wanders [action unit];
+        0 for sensors that are not off. Only with a forward model.
+    offset_samples : float
+        Number of samples in which such an offset changes by about its spread.
     """
 
     map_distance: float = 0.07
@@ -115,6 +127,10 @@ class GoalBabblerConfig:
     covariance_limit: float = 10.0
     process_noise: float = 0.15
     blend_samples: float = 1000.0
+    forward_model: str = "none"
+    outcome_noise: float = 0.005
+    offset_spread: float = 0.0
+    offset_samples: float = 1000.0
 
     def __post_init__(self) -> None:
         """Check every setting.
@@ -132,6 +148,8 @@ class GoalBabblerConfig:
             "shrink_samples",
             "covariance",
             "covariance_limit",
+            "outcome_noise",
+            "offset_samples",
         ):
             self._check_number(name, lambda value: value > 0, "above 0")
         for name in (
@@ -142,6 +160,7 @@ class GoalBabblerConfig:
             "outcome_resolution",
             "process_noise",
             "blend_samples",
+            "offset_spread",
         ):
             self._check_number(name, lambda value: value >= 0, "0 or above")
         self._check_number("home_probability", lambda value: 0 <= value <= 1, "in 0 to 1")
@@ -162,6 +181,7 @@ class GoalBabblerConfig:
             ("direction", DIRECTIONS),
             ("efficiency", EFFICIENCIES),
             ("model", MODELS),
+            ("forward_model", FORWARD_MODELS),
         ):
             if getattr(self, name) not in choices:
                 raise InvalidConfigError(

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 
 from bha_goal_babbling.arrays import FloatArray, matrix, vector
 from bha_goal_babbling.babbler_config import GoalBabblerConfig
+from bha_goal_babbling.body_model import BodyModel
 from bha_goal_babbling.errors import InvalidArrayError, InvalidConfigError, WrongOrderError
 from bha_goal_babbling.exploration_noise import ExplorationNoise
 from bha_goal_babbling.goal_paths import GoalPaths
@@ -98,6 +99,11 @@ class GoalBabbler:
             if model is None
             else ScaledModel(config, model)
         )
+        self._body = (
+            None
+            if config.forward_model == "none"
+            else BodyModel(config, self._home_action, self._home_outcome, self._low, self._high)
+        )
         self._rng = rng
         self._noise = ExplorationNoise(config.noise_spread, config.noise_step, m, n, rng)
         self._amplitude = NoiseAmplitude(
@@ -165,7 +171,7 @@ class GoalBabbler:
             self._movements.prepare(self._action, self._outcome, self._rng)
             going_home = self._movements.going_home
             wanted = self._movements.home_step if going_home else self._explored_action()
-            self._pending = self._clipped(wanted)
+            self._pending = self._reading(wanted)
         return self._pending.copy()
 
     def tell(self, action: ArrayLike, outcome: ArrayLike, learn: bool = True) -> None:
@@ -191,6 +197,8 @@ class GoalBabbler:
             raise WrongOrderError("tell was called without ask; call ask first")
         action = vector("action", action, self._home_action.size)
         outcome = vector("outcome", outcome, self._home_outcome.size)
+        if learn and self._body is not None:
+            action = self._body.learn(action, outcome, self._pending)
         outcome_step = outcome - self._outcome
         miss = outcome - self._movements.target
         if learn:
@@ -223,6 +231,8 @@ class GoalBabbler:
         """
         action = vector("action", action, self._home_action.size)
         outcome = vector("outcome", outcome, self._home_outcome.size)
+        if self._body is not None:
+            action = self._body.learn(action, outcome)
         self._learned.learn(action, outcome, action - self._action, outcome - self._outcome, None)
         self._action, self._outcome = action, outcome
 
@@ -240,9 +250,12 @@ class GoalBabbler:
             One action, shape (m,), or many, shape (N, m).
         """
         n = self._home_outcome.size
-        if np.ndim(goal) == 2:
-            return self._clipped(self._learned.predict_many(matrix("goal", goal, n)))
-        return self._clipped(self._learned.predict(vector("goal", goal, n)))
+        if np.ndim(goal) == 1:
+            return self._reading(self._solution(vector("goal", goal, n)))
+        goals = matrix("goal", goal, n)
+        if self._body is None:
+            return self._reading(self._learned.predict_many(goals))
+        return np.array([self._reading(self._solution(each)) for each in goals])
 
     def state(self) -> SavedState:
         """Return everything that `restore` needs, the state of the generator included."""
@@ -266,6 +279,7 @@ class GoalBabbler:
             movements=self._movements.state(),
             noise=self._noise.state(),
             error=self._error.state(),
+            **({} if self._body is None else {"body": self._body.state()}),
         )
 
     @classmethod
@@ -296,6 +310,8 @@ class GoalBabbler:
         babbler._movements.load(state.part("movements"))
         babbler._noise.load(state.part("noise"))
         babbler._error.load(state.part("error"))
+        if babbler._body is not None:
+            babbler._body = BodyModel.restore(config, state.part("body"))
         babbler._action = vector("last_action", arrays["last_action"], m)
         babbler._outcome = vector("last_outcome", arrays["last_outcome"], n)
         if len(arrays["pending"]):
@@ -303,8 +319,15 @@ class GoalBabbler:
         babbler._samples = int(settings["samples"])
         return babbler
 
-    def _clipped(self, action: FloatArray) -> FloatArray:
-        return np.minimum(np.maximum(action, self._low), self._high)
+    def _solution(self, goal: FloatArray) -> FloatArray:
+        """Return the action, shape (m,), that is to bring a goal, shape (n,)."""
+        action = self._learned.predict(goal)
+        return action if self._body is None else self._body.refine(action, goal)
+
+    def _reading(self, action: FloatArray) -> FloatArray:
+        """Return what sensors are to read of actions, shape (..., m), within the limits."""
+        reading = action if self._body is None else action + self._body.offsets
+        return np.minimum(np.maximum(reading, self._low), self._high)
 
     def _explored_action(self) -> FloatArray:
         """Return g(x*) + E(x*), shape (m,), equation 3."""
@@ -312,7 +335,7 @@ class GoalBabbler:
         self._noise.advance(self._rng)
         noise = self._noise.at((target - self._noise_origin) / self.config.outcome_scale)
         share = self._amplitude.share(self._movements.goal_error)
-        return self._learned.predict(target) + share * noise
+        return self._solution(target) + share * noise
 
     def _paths(self, goals: ArrayLike) -> TargetSource:
         config = self.config

@@ -1,0 +1,132 @@
+"""What a learner comes to know of its body beside the inverse model, and what that is good for.
+
+Goal babbling learns which action brings an outcome. The same examples also tell which outcome an
+action brings (`ForwardModel`), what the sensors of the actions are off by just now
+(`SensorOffsets`), and where actions come to an end (`ReachableRange`). With these an answer of the
+inverse model is refined (`refinement`): the inverse model chooses the solution, the forward model
+takes away what the average over many examples leaves. As the refined action is executed and
+learned from, the inverse model comes to say it by itself.
+"""
+
+import numpy as np
+
+from bha_goal_babbling.arrays import FloatArray
+from bha_goal_babbling.babbler_config import GoalBabblerConfig
+from bha_goal_babbling.forward_model import ForwardModel
+from bha_goal_babbling.reachable_range import ReachableRange
+from bha_goal_babbling.refinement import refined
+from bha_goal_babbling.saved_state import SavedState
+from bha_goal_babbling.sensor_offsets import SensorOffsets
+
+_MARGIN = 0.027
+"""How far a reading lies beyond what was commanded when it is stuck, in scaled units."""
+_REACH = 0.4
+"""How far an answer of the inverse model is moved at most, in scaled units."""
+
+
+class BodyModel:
+    """Refines actions and corrects readings, in the units of the robot.
+
+    Parameters
+    ----------
+    config : GoalBabblerConfig
+        Scales, noise and offsets.
+    home_action, home_outcome : array
+        Home, shapes (m,) and (n,).
+    low, high : array
+        Limits that no action exceeds, shape (m,).
+    """
+
+    def __init__(
+        self,
+        config: GoalBabblerConfig,
+        home_action: FloatArray,
+        home_outcome: FloatArray,
+        low: FloatArray,
+        high: FloatArray,
+    ) -> None:
+        self._action_scale, self._outcome_scale = config.action_scale, config.outcome_scale
+        home = (home_action / self._action_scale, home_outcome / self._outcome_scale)
+        self._forward = ForwardModel(*home, config.outcome_noise / self._outcome_scale)
+        self._offsets = SensorOffsets(
+            home_action.size, config.offset_spread / self._action_scale, config.offset_samples
+        )
+        ends = (low / self._action_scale, high / self._action_scale)
+        self._range = ReachableRange(home[1], *ends, _MARGIN)
+
+    @property
+    def offsets(self) -> FloatArray:
+        """What readings of the action are off by [action unit], shape (m,)."""
+        return self._offsets.values * self._action_scale
+
+    def refine(self, action: FloatArray, goal: FloatArray) -> FloatArray:
+        """Return an action near a given one, shape (m,), that brings a goal, shape (n,)."""
+        goal = goal / self._outcome_scale
+        scaled = action / self._action_scale
+        return self._action_scale * refined(
+            scaled, goal, self._forward, *self._range.at(goal), _REACH
+        )
+
+    def predict(self, action: FloatArray) -> FloatArray:
+        """Return the outcome, shape (n,), of an action without offsets, shape (m,)."""
+        return self._forward.predict(action / self._action_scale) * self._outcome_scale
+
+    def learn(
+        self, reading: FloatArray, outcome: FloatArray, command: FloatArray | None = None
+    ) -> FloatArray:
+        """Learn an example.
+
+        Parameters
+        ----------
+        reading : array
+            The action as it was measured, shape (m,).
+        outcome : array
+            What came of it, shape (n,).
+        command : array, optional
+            The reading that was asked for, shape (m,); None where the robot went its own way, and
+            may have been anywhere since the example before.
+
+        Returns
+        -------
+        array
+            The action without offsets, shape (m,).
+        """
+        scaled, seen = reading / self._action_scale, outcome / self._outcome_scale
+        if command is None:
+            self._forward.pause()
+            self._range.pause()
+        features, expected, unknown = self._forward.expect(scaled - self._offsets.values)
+        missed = seen - expected
+        self._offsets.learn(
+            self._forward.jacobian(scaled - self._offsets.values),
+            missed,
+            self._forward.noise + unknown,
+        )
+        self._forward.learn(features, missed)
+        action = scaled - self._offsets.values
+        if command is not None:
+            self._range.learn(command / self._action_scale - self._offsets.values, action, seen)
+        return action * self._action_scale
+
+    def state(self) -> SavedState:
+        """Return everything that `restore` needs besides the config."""
+        return SavedState().joined(
+            forward=self._forward.state(),
+            offsets=self._offsets.state(),
+            range=self._range.state(),
+        )
+
+    @classmethod
+    def restore(cls, config: GoalBabblerConfig, state: SavedState) -> "BodyModel":
+        """Return the model whose snapshot this is; it continues bit for bit.
+
+        Raises
+        ------
+        InvalidConfigError
+            If something in the snapshot does not fit together.
+        """
+        body = cls(config, np.zeros(1), np.zeros(1), np.zeros(1), np.zeros(1))
+        body._forward = ForwardModel.restore(state.part("forward"))
+        body._offsets = SensorOffsets.restore(state.part("offsets"))
+        body._range = ReachableRange.restore(state.part("range"))
+        return body

@@ -1,0 +1,245 @@
+"""A forward model x = f(q), learned from the examples that goal babbling makes on its way.
+
+    x_t = W' [phi(z_t); q_t - q_{t-1}; q_t - 2 q_{t-1} + q_{t-2}],    z = q - q_home
+
+phi holds every product of up to three entries of z, so f is a polynomial of third degree: enough
+for a trunk that bends by a radian, and smooth beyond the examples. The last two groups stand for
+the outcome that lags behind a robot under way; at rest they are zero. W is found by recursive
+least squares with a prior (Ljung and Soderstrom, "Theory and practice of recursive
+identification", 1983), a Kalman filter whose process noise keeps it from falling asleep:
+
+    gain         k_t = P_t a_t / (r + a_t' P_t a_t),   a_t the bracket above
+    parameters   W <- W + k_t (x_t - W' a_t)'
+    covariance   P <- P - k_t (P_t a_t)' + (r / memory^2) I
+
+It is exact only on the thin sheet of actions that was explored, which is where it is asked: as in
+the forward models of Jamone and others that the article names beside goal babbling (section 3).
+"""
+
+from itertools import combinations_with_replacement
+from typing import Any
+
+import numba
+import numpy as np
+
+from bha_goal_babbling.arrays import FloatArray
+from bha_goal_babbling.errors import InvalidConfigError
+from bha_goal_babbling.saved_state import SavedState
+
+_DEGREE = 3
+_PRIOR = 2.0
+"""Standard deviation of every parameter at first, in scaled units: slopes of the trunk are 0.3 to
+2.2, and curvatures alike, since actions are scaled by about their range."""
+_MEMORY = 3000.0
+"""Examples that a feature of size 1 is averaged over in the long run; smaller ones over more."""
+
+
+class ForwardModel:
+    """Predicts outcomes of actions, with the slope and the variance of the prediction.
+
+    Parameters
+    ----------
+    home_action, home_outcome : array
+        Where it is expanded, shapes (m,) and (n,): at first it says home_outcome everywhere.
+    noise : float
+        Standard deviation of an entry of the outcome that no action explains, in the unit of
+        outcomes.
+    """
+
+    def __init__(self, home_action: FloatArray, home_outcome: FloatArray, noise: float) -> None:
+        m, n = home_action.size, home_outcome.size
+        self._home = home_action.copy()
+        self._variance = noise**2
+        self._factors = _factors(m)
+        polynomial = len(self._factors)
+        self._parameters = np.zeros((polynomial + 2 * m, n))
+        self._parameters[0] = home_outcome
+        self._covariance = _PRIOR**2 * np.eye(polynomial + 2 * m)
+        self._history = np.zeros((0, m))  # the last two actions, the newest first
+
+    @property
+    def noise(self) -> float:
+        """Variance of an entry of the outcome that no action explains."""
+        return self._variance
+
+    def predict(self, action: FloatArray) -> FloatArray:
+        """Return the outcome, shape (n,), of holding an action, shape (m,)."""
+        features = np.empty(len(self._factors))
+        _features(action - self._home, self._factors, features)
+        outcome: FloatArray = features @ self._parameters[: features.size]
+        return outcome
+
+    def jacobian(self, action: FloatArray) -> FloatArray:
+        """Return df/dq at an action, shape (m,), as shape (n, m)."""
+        slope = np.empty((self._parameters.shape[1], action.size))
+        _jacobian(action - self._home, self._factors, self._parameters, slope)
+        return slope
+
+    def expect(self, action: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+        """Return what the next example is expected to be, before it is learned.
+
+        Parameters
+        ----------
+        action : array
+            The action of the example, shape (m,).
+
+        Returns
+        -------
+        tuple
+            The example's features for `learn`, the outcome expected, shape (n,), and the variance
+            of each of its entries that comes from parameters not known yet.
+        """
+        m = action.size
+        features = np.zeros(len(self._parameters))
+        _features(action - self._home, self._factors, features[: len(self._factors)])
+        if len(self._history):
+            features[-2 * m : -m] = action - self._history[0]
+        if len(self._history) == 2:
+            features[-m:] = action - 2.0 * self._history[0] + self._history[1]
+        self._history = np.vstack([action, self._history[:1]])
+        return features, features @ self._parameters, _variance(self._covariance, features)
+
+    def learn(self, features: FloatArray, missed: FloatArray) -> None:
+        """Learn an example.
+
+        Parameters
+        ----------
+        features : array
+            What `expect` has told.
+        missed : array
+            Its outcome less what was expected, shape (n,).
+        """
+        _learn(
+            features,
+            missed,
+            self._parameters,
+            self._covariance,
+            self._variance,
+            self._variance / _MEMORY**2,
+        )
+
+    def pause(self) -> None:
+        """Forget where the robot came from: the next example is taken as one at rest."""
+        self._history = self._history[:0]
+
+    def state(self) -> SavedState:
+        """Return everything that `restore` needs."""
+        arrays = {
+            "home": self._home,
+            "parameters": self._parameters,
+            "covariance": self._covariance,
+            "history": self._history,
+        }
+        return SavedState(arrays, {"variance": self._variance})
+
+    @classmethod
+    def restore(cls, state: SavedState) -> "ForwardModel":
+        """Return the model whose snapshot this is; it continues bit for bit.
+
+        Raises
+        ------
+        InvalidConfigError
+            If the arrays do not fit together.
+        """
+        arrays: dict[str, Any] = {
+            name: np.array(state.arrays[name], dtype=np.float64)
+            for name in ("home", "parameters", "covariance", "history")
+        }
+        home, parameters = arrays["home"], arrays["parameters"]
+        if home.ndim != 1 or parameters.ndim != 2:
+            raise InvalidConfigError("a forward model needs a home, and a row a feature")
+        model = cls(home, parameters[0], float(state.settings["variance"]) ** 0.5)
+        model._variance = float(state.settings["variance"])
+        rows = len(model._parameters)
+        if (
+            len(parameters) != rows
+            or arrays["covariance"].shape != (rows, rows)
+            or arrays["history"].shape[1:] != home.shape
+            or len(arrays["history"]) > 2
+        ):
+            raise InvalidConfigError(
+                f"a forward model of {home.size} actions has {rows} features, got parameters "
+                f"{parameters.shape} and a covariance {arrays['covariance'].shape}"
+            )
+        model._parameters, model._covariance = parameters, arrays["covariance"]
+        model._history = arrays["history"]
+        return model
+
+
+def _factors(size: int) -> Any:
+    """Return which entries every feature is the product of; `size` stands for a factor of 1."""
+    rows = [
+        chosen + (size,) * (_DEGREE - len(chosen))
+        for degree in range(_DEGREE + 1)
+        for chosen in combinations_with_replacement(range(size), degree)
+    ]
+    return np.array(rows)
+
+
+@numba.njit(cache=True)
+def _features(z: FloatArray, factors: Any, features: FloatArray) -> None:
+    """Write phi(z)."""
+    for row in range(factors.shape[0]):
+        product = 1.0
+        for column in range(factors.shape[1]):
+            if factors[row, column] < z.size:
+                product *= z[factors[row, column]]
+        features[row] = product
+
+
+@numba.njit(cache=True)
+def _jacobian(z: FloatArray, factors: Any, parameters: FloatArray, slope: FloatArray) -> None:
+    """Write the derivative of parameters' phi(z), shape (n, m)."""
+    slope[:] = 0.0
+    for row in range(factors.shape[0]):
+        for column in range(factors.shape[1]):
+            along = factors[row, column]
+            if along == z.size:
+                continue
+            product = 1.0
+            for other in range(factors.shape[1]):
+                if other != column and factors[row, other] < z.size:
+                    product *= z[factors[row, other]]
+            for i in range(slope.shape[0]):
+                slope[i, along] += product * parameters[row, i]
+
+
+@numba.njit(cache=True)
+def _variance(covariance: FloatArray, features: FloatArray) -> float:
+    """Return a' P a."""
+    total = 0.0
+    for i in range(features.size):
+        row = 0.0
+        for j in range(features.size):
+            row += covariance[i, j] * features[j]
+        total += features[i] * row
+    return total
+
+
+@numba.njit(cache=True)
+def _learn(
+    features: FloatArray,
+    missed: FloatArray,
+    parameters: FloatArray,
+    covariance: FloatArray,
+    variance: float,
+    growth: float,
+) -> None:
+    """Take one step of recursive least squares."""
+    size = features.size
+    spread = np.empty(size)
+    total = variance
+    for i in range(size):
+        row = 0.0
+        for j in range(size):
+            row += covariance[i, j] * features[j]
+        spread[i] = row
+        total += features[i] * row
+    for i in range(size):
+        gain = spread[i] / total
+        for k in range(missed.size):
+            parameters[i, k] += gain * missed[k]
+        for j in range(i + 1):  # one triangle, mirrored: it stays symmetric to the last bit
+            covariance[i, j] -= gain * spread[j]
+            covariance[j, i] = covariance[i, j]
+        covariance[i, i] += growth
