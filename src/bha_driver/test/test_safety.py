@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bha_common.command_gate import SafetySettings
-from bha_driver.safety import EMERGENCY_STOP, LINK_LOST, OVERSLEPT, RESTARTED, Safety
+from bha_driver.latched_faults import EMERGENCY_STOP, LINK_LOST, OVERSLEPT, RESTARTED
+from bha_driver.safety import Safety
 from bha_driver.scaling import Scaling
 from bha_driver.terminal_file import example_path, load_terminal
 
