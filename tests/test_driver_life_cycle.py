@@ -9,6 +9,7 @@ import itertools
 import time
 from collections.abc import Callable, Iterator
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -123,6 +124,7 @@ def make_life(context: None, emulator: TerminalEmulator) -> Iterator[Callable[[]
         return lives[-1]
 
     yield make
+    emulator.end_all()
     for life in lives:
         life.driver.close()
         life.driver.destroy_node()
@@ -140,9 +142,14 @@ def orders() -> list[tuple[str, ...]]:
 
 @pytest.mark.parametrize("first", [CONFIGURE, ACTIVATE, DEACTIVATE, CLEANUP, SHUTDOWN])
 def test_every_order_of_transitions(make_life: Callable[[], Life], first: str) -> None:
+    life = make_life()
+    registers = life.emulator.registers
     for order in (order for order in orders() if order[0] == first):
-        life, state, may_have_pressed = make_life(), "unconfigured", False
-        registers = life.emulator.registers
+        if life.state == "finalized":
+            life.driver.destroy_node()
+            life = make_life()
+        registers.forget_writes()
+        state, may_have_pressed = "unconfigured", False
         for move in order:
             expected = MOVES.get((state, move))
             assert life.change(move) == (expected is not None), (order, move)
@@ -163,9 +170,11 @@ def test_every_order_of_transitions(make_life: Callable[[], Life], first: str) -
                 life.driver.work()
             if not may_have_pressed:
                 assert not registers.writes, "nothing is driven before activation"
-        life.driver.close()
+        if life.state == "active":
+            assert life.change(DEACTIVATE)
+        if life.state == "inactive":
+            assert life.change(CLEANUP)
         assert life.highest == 0.0
-        life.driver.destroy_node()
 
 
 @pytest.mark.parametrize("broken", ["deactivate", "activate", "open"])
@@ -220,3 +229,24 @@ def test_a_clock_that_was_set_back_is_taken_on_by_configuring_again(
     assert abs(life.driver._now - (time.time_ns() - hour)) < 10**9
     life.emulator.begin("cut")
     life.until(lambda: life.driver._safety.stopped and life.driver._cycle.connected)
+
+
+def test_lengths_that_cannot_be_are_not_published(
+    make_life: Callable[[], Life], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nobody learns from them; pressures go on, and so do lengths when they can be true."""
+    life = make_life()
+    for move in (CONFIGURE, ACTIVATE):
+        assert life.change(move)
+    life.until(lambda: life.highest > 0.5 * MOST)
+    lengths, pressures = [], []
+    monkeypatch.setattr(life.driver, "_lengths", SimpleNamespace(publish=lengths.append))
+    monkeypatch.setattr(life.driver, "_pressures", SimpleNamespace(publish=pressures.append))
+    wrong = MAP.bellows[4].length
+    life.emulator.begin("freeze")
+    life.emulator.registers.write(wrong.register, [wrong.word(0.02)])
+    life.until(lambda: len(pressures) > 10)
+    assert not lengths
+    life.emulator.end("freeze")
+    life.until(lambda: len(lengths) > 3)
+    assert life.driver._safety.faults[0].which == "length out of range"

@@ -249,18 +249,23 @@ def test_commands_that_cannot_be_meant(make_driver: Any) -> None:
     good = pressures_message(graph.now(), PRESSED)
     publisher = graph.publisher("pressure_command")
     bad = []
-    for change in ("nan", "count", "name", "no stamp", "old"):
+    for change in ("nan", "inf", "count", "name", "doubled", "no stamp", "old", "future"):
         message = pressures_message(graph.now(), PRESSED)
         if change == "nan":
             message.pressure[3] = float("nan")
+        elif change == "inf":
+            message.pressure[3] = float("inf")
         elif change == "count":
             message.pressure = message.pressure[:8]
         elif change == "name":
             message.name[0] = "bellows_0_0"
+        elif change == "doubled":
+            message.name[0] = message.name[1]
         elif change == "no stamp":
             message.header.stamp = stamp_message(0)
         else:
-            message.header.stamp = stamp_message(graph.now() - 10**10)
+            shift = 10**10 if change == "future" else -(10**10)
+            message.header.stamp = stamp_message(graph.now() + shift)
         bad.append(message)
     for message in bad:
         publisher.publish(message)
