@@ -250,3 +250,19 @@ def test_lengths_that_cannot_be_are_not_published(
     life.emulator.end("freeze")
     life.until(lambda: len(lengths) > 3)
     assert life.driver._safety.faults[0].which == "length out of range"
+
+
+def test_a_cycle_writes_once_whatever_is_commanded(make_life: Callable[[], Life]) -> None:
+    life = make_life()
+    for move in (CONFIGURE, ACTIVATE):
+        assert life.change(move)
+    life.until(lambda: life.highest > 0.5 * MOST)
+    driver, registers = life.driver, life.emulator.registers
+    while not driver._schedule.write_owed:
+        time.sleep(driver.work())
+    count = len(registers.writes)
+    for _ in range(3):
+        driver._take_command(driver._now, np.full(9, MOST))
+    assert len(registers.writes) == count + 1
+    driver._take_command(driver._now - 1, np.full(9, MOST))
+    assert len(registers.writes) == count + 1, "an older one answers nothing"

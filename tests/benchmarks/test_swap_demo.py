@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import swap_demo
+from benchmarks import swap_demo, swap_spread
 from benchmarks.swap_demo import Comparison, plan, stored
 from bha_bringup.demo_record import DemoRecord, GoalRecord
 from bha_bringup.demo_settings import DemoSettings
@@ -78,9 +78,14 @@ def test_it_says_whether_the_bound_holds(
 
     monkeypatch.setattr(swap_demo, "measure", run)
     monkeypatch.setattr(sys, "argv", ["swap_demo", "--seeds", "0", "--out", str(tmp_path)])
+    draws = iter(np.linspace(0.008, 0.0135, 8))
+    monkeypatch.setattr(swap_spread, "error", lambda *_, **__: next(draws))
     with pytest.raises(SystemExit) as ended:
         swap_demo.main()
     assert ended.value.code == code
     shown = capsys.readouterr().out
     assert ("within 20%: all" in shown) is (code == 0)
-    assert "10.0 mm" in shown
+    assert "10.0" in shown
+    better = int((np.linspace(0.008, 0.0135, 8) < behind).sum())
+    assert "8 runs in the simulator 8.0 to 13.5 mm, mean 10.8 mm" in shown
+    assert f"{better} of them are better" in shown
