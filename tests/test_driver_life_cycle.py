@@ -95,9 +95,7 @@ def emulator() -> Iterator[TerminalEmulator]:
 
 
 @pytest.fixture(scope="module")
-def context(
-    emulator: TerminalEmulator, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[None]:
+def context(emulator: TerminalEmulator, tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     file = tmp_path_factory.mktemp("terminal") / "patient.yaml"
     file.write_text(TEXT)
     values = {

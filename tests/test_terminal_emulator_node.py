@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import socket
 from collections.abc import Iterator
+from itertools import pairwise
 from types import SimpleNamespace
 
 import pytest
@@ -36,7 +37,7 @@ def node() -> Iterator[EmulatorNode]:
 def test_a_state_is_there_before_its_time_and_once(
     node: EmulatorNode, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A driver on the same grid reads it at its time and answers before the next, as in lockstep."""
+    """A driver on the same grid reads it at its time, and answers before the next."""
     steps, tips, clock = [], [], SimpleNamespace(now=lambda: clock.time)
     monkeypatch.setattr(node, "_time", clock)
     monkeypatch.setattr(node._emulator, "step", lambda: steps.append(clock.time))
@@ -46,7 +47,7 @@ def test_a_state_is_there_before_its_time_and_once(
     for time in range(1, 401):  # a millisecond at a time
         clock.time = TICK - 5 * MS + time * MS
         node.work()
-    apart = [second - first for first, second in zip(steps, steps[1:], strict=False)]
+    apart = [second - first for first, second in pairwise(steps)]
     assert apart == [20 * MS] * 20
     for moment in steps:
         assert (moment - TICK) % (20 * MS) == 15 * MS, "between the driver's write and its read"

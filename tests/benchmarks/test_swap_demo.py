@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from benchmarks.swap_demo import Comparison, plan, stored
 
 from benchmarks import swap_demo, swap_spread
-from benchmarks.swap_demo import Comparison, plan, stored
 from bha_bringup.demo_record import DemoRecord, GoalRecord
 from bha_bringup.demo_settings import DemoSettings
 
@@ -22,7 +22,9 @@ def test_two_runs_of_a_seed_differ_by_the_robot_alone(tmp_path: Path) -> None:
     assert first.out != second.out
 
 
-@pytest.mark.parametrize(("factor", "holds"), [(1.19, True), (1.21, False), (0.81, True), (0.7, False)])
+@pytest.mark.parametrize(
+    ("factor", "holds"), [(1.19, True), (1.21, False), (0.81, True), (0.7, False)]
+)
 def test_the_bound_holds_both_ways(factor: float, holds: bool) -> None:
     errors = np.linspace(0.002, 0.02, 30)
     one = Comparison(errors, factor * errors)

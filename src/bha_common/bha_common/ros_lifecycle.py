@@ -46,11 +46,13 @@ class ManagedNode(LifecycleNodeMixin, BhaNode):
                 return response
 
         self._service_change_state.callback = checked
-        self._callbacks = {
-            state: self._telling(callback) for state, callback in self._callbacks.items()
-        }
+        callbacks: dict[int, Any] = self._callbacks
+        for state, callback in callbacks.items():
+            callbacks[state] = self._telling(callback)
 
-    def _telling(self, callback: Callable[[LifecycleState], Any]) -> Callable[[LifecycleState], Any]:
+    def _telling(
+        self, callback: Callable[[LifecycleState], Any]
+    ) -> Callable[[LifecycleState], Any]:
         """Log what breaks a transition off; rclpy goes to `on_error` without a word."""
 
         def tell(before: LifecycleState) -> Any:

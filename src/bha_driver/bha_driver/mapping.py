@@ -49,7 +49,7 @@ def build(cls: type[Section], data: Any, where: str) -> Section:
         raise TerminalMapError(
             f"{join(where, unknown[0])} is unknown; valid are {', '.join(fields)}"
         )
-    hints = _hints(cls)
+    hints = _hints(cls)  # type: ignore[arg-type]
     values = {}
     for name, field in fields.items():
         if name in data:

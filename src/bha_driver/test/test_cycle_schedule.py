@@ -1,5 +1,7 @@
 """One read and one write a period, whatever the answer does."""
 
+from itertools import pairwise
+
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -58,4 +60,4 @@ def test_no_cycle_reads_or_writes_twice(steps: list[int], answered: set[int]) ->
                 schedule.written()
                 done.append("write")
         assert schedule.wait(now) <= 20 * MS
-    assert all(first != second for first, second in zip(done, done[1:], strict=False))
+    assert all(first != second for first, second in pairwise(done))
