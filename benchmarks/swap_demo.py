@@ -13,7 +13,8 @@ gives other errors, in the simulator alone (benchmarks.swap_spread). So `--sprea
 simulator, in one process, tell where the run behind the terminal lies among its like.
 
 A run behind the terminal takes its time: 5 minutes of exploration and 30 goals take about half an
-hour. `--resume` goes on after those that are done; `--dry-run` tells the plan.
+hour, and want calm cores: the log of terminal_emulator in the run's folder ends with how many of
+its cycles were late. `--resume` goes on after those that are done; `--dry-run` tells the plan.
 """
 
 import argparse
@@ -116,6 +117,15 @@ def measure(settings: DemoSettings, console: Console) -> dict[str, NDArray[np.fl
     return {kind: record.errors(kind) for kind in KINDS}
 
 
+def counts(settings: DemoSettings) -> str:
+    """Tell what a demonstration that is done has gathered: both of a seed must have had as much."""
+    data = json.loads((settings.out / "results.json").read_text(encoding="utf-8"))
+    return (
+        f"{data['movements']} movements, {data['samples']} samples, {data['local_models']} maps, "
+        f"pressures fit to {(data['pressure_error_pa'] or np.nan) / 1e3:.1f} kPa"
+    )
+
+
 def place(settings: DemoSettings, mean: float, runs: int) -> str:
     """Tell where a mean error [m] lies among runs in the simulator with other sensor noise."""
     others = np.array(
@@ -162,6 +172,8 @@ def main() -> None:
             errors[settings.seed, settings.robot] = found or measure(settings, console)
     if arguments.dry_run:
         return
+    for settings in plan(arguments.seeds, arguments.minutes, arguments.goals, arguments.out):
+        print(f"robot {settings.seed}, {settings.robot}: {counts(settings)}")
     print("mean and median error over the goals [mm]")
     print(f"{'robot':6s} {'':14s} {'simulator':>13s}   {'terminal':>13s}   means differ by")
     missed = 0

@@ -76,6 +76,8 @@ def test_it_says_whether_the_bound_holds(
 ) -> None:
     def run(settings: DemoSettings, _: object) -> dict[str, np.ndarray]:
         error = 0.01 if settings.robot == "sim" else behind
+        settings.out.mkdir()
+        record(settings, error).write(settings.out)
         return {kind: record(settings, error).errors(kind) for kind in swap_demo.KINDS}
 
     monkeypatch.setattr(swap_demo, "measure", run)
@@ -88,6 +90,7 @@ def test_it_says_whether_the_bound_holds(
     shown = capsys.readouterr().out
     assert ("within 20%: all" in shown) is (code == 0)
     assert "10.0" in shown
+    assert shown.count("0 movements, 0 samples, 0 maps") == 2
     better = int((np.linspace(0.008, 0.0135, 8) < behind).sum())
     assert "8 runs in the simulator 8.0 to 13.5 mm, mean 10.8 mm" in shown
     assert f"{better} of them are better" in shown

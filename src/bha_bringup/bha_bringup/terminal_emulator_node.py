@@ -101,8 +101,13 @@ class EmulatorNode(BhaNode):
         return self._time.now() + self._lead
 
     def close(self) -> None:
-        """End the server."""
+        """End the server, and leave in the log how the exchanges lay between the steps."""
         self._emulator.close()
+        timing = self._emulator.registers.timing
+        self.get_logger().info(
+            f"{timing.cycles} cycles, {timing.late} late writes, {timing.stale} states read twice, "
+            f"{timing.skipped} not read; {self._ticks.missed} steps were late"
+        )
 
     def diagnose(self) -> tuple[bytes, str, dict[str, str]]:
         """Tell who is connected and what is wrong on purpose."""
