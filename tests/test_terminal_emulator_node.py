@@ -42,15 +42,15 @@ def test_a_state_is_there_before_its_time_and_once(
     monkeypatch.setattr(node, "_time", clock)
     monkeypatch.setattr(node._emulator, "step", lambda: steps.append(clock.time))
     monkeypatch.setattr(node, "_tip", SimpleNamespace(publish=tips.append))
-    clock.time = TICK - 5 * MS
+    clock.time = TICK - 8 * MS
     node.work()
     for time in range(1, 401):  # a millisecond at a time
-        clock.time = TICK - 5 * MS + time * MS
+        clock.time = TICK - 8 * MS + time * MS
         node.work()
     apart = [second - first for first, second in pairwise(steps)]
     assert apart == [20 * MS] * 20
     for moment in steps:
-        assert (moment - TICK) % (20 * MS) == 15 * MS, "between the driver's write and its read"
+        assert (moment - TICK) % (20 * MS) == 12 * MS, "between the driver's write and its read"
     stamps = [nanoseconds(tip.header.stamp) - TICK for tip in tips]
     assert stamps == [100 * MS * number for number in range(5)]
 

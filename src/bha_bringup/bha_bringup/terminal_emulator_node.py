@@ -21,13 +21,14 @@ from bha_driver.wire_faults import parse_faults
 from bha_sim.plant import Plant
 from bha_sim.robot_parameters import draw_robot, load_parameters
 
-_LEAD = 0.25
+_LEAD = 0.4
 """How long before its time a state is there, in periods.
 
 Driver and robot both count whole periods of the system's time. Were the robot to step at the very
 moment at which the driver reads, chance would decide whether a cycle sees the new state or the old
 one. With a lead it is read at its time, and answered, halfway to the next one at the latest, before
-the robot goes on: as in the simulator.
+the robot goes on: as in the simulator. So it must be below a half, and with little to spare, for a
+process that wakes up late must be in time all the same.
 """
 
 
