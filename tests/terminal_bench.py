@@ -55,6 +55,7 @@ class TerminalBench:
         self.scaling = Scaling(terminal)
         self.rng = np.random.default_rng(0)
         self.command = np.full(9, 6e4)
+        self.commanding = True
 
     def __enter__(self) -> TerminalBench:
         self.emulator.__enter__()
@@ -83,7 +84,8 @@ class TerminalBench:
         if self.rng.random() < 0.04:
             self.command = self.rng.uniform(3e4, 1.0e5, 9)
         self.driver.read(self.time)
-        self.safety.offer(self.time, self.command)
+        if self.commanding:
+            self.safety.offer(self.time, self.command)
         self.driver.write(self.time)
 
     def run(self, duration: float) -> None:
@@ -98,6 +100,19 @@ class TerminalBench:
             assert self.time - begin < limit, f"not within {limit} s of robot time"
             self.cycle()
         return self.time - begin
+
+    def falls(self) -> Callable[[], bool]:
+        """Tell whether the terminal holds less than now, and no bellows holds more."""
+        before = self.outputs
+        return lambda: bool(
+            self.outputs.sum() < before.sum() and (self.outputs <= before + 1e-6).all()
+        )
+
+    def measure_wrong(self, length: float) -> None:
+        """Let the terminal measure a length [m] of one bellows that is not so."""
+        channel = self.terminal.bellows[4].length
+        self.emulator.begin("freeze")
+        self.emulator.registers.write(channel.register, [channel.word(length)])
 
     @property
     def outputs(self) -> np.ndarray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import socket
 import threading
 import time
 from collections.abc import Iterator
@@ -18,6 +19,7 @@ from lifecycle_msgs.srv import ChangeState, GetState
 from std_msgs.msg import Bool
 
 from bha_bringup.graph import NodeDescription
+from bha_bringup.robot_client import RobotError
 from bha_common import bellows
 from bha_common.ros_messages import nanoseconds, pressures_message, stamp_message
 from bha_common.ros_node import LATCHED_QOS
@@ -249,18 +251,23 @@ def test_commands_that_cannot_be_meant(make_driver: Any) -> None:
     good = pressures_message(graph.now(), PRESSED)
     publisher = graph.publisher("pressure_command")
     bad = []
-    for change in ("nan", "count", "name", "no stamp", "old"):
+    for change in ("nan", "inf", "count", "name", "doubled", "no stamp", "old", "future"):
         message = pressures_message(graph.now(), PRESSED)
         if change == "nan":
             message.pressure[3] = float("nan")
+        elif change == "inf":
+            message.pressure[3] = float("inf")
         elif change == "count":
             message.pressure = message.pressure[:8]
         elif change == "name":
             message.name[0] = "bellows_0_0"
+        elif change == "doubled":
+            message.name[0] = message.name[1]
         elif change == "no stamp":
             message.header.stamp = stamp_message(0)
         else:
-            message.header.stamp = stamp_message(graph.now() - 10**10)
+            shift = 10**10 if change == "future" else -(10**10)
+            message.header.stamp = stamp_message(graph.now() + shift)
         bad.append(message)
     for message in bad:
         publisher.publish(message)
@@ -294,6 +301,24 @@ def test_the_emergency_stop(make_driver: Any) -> None:
     graph.wait_robot(0.3)
     assert terminal.highest == 0.0, "the old command does not come back"
     driver.press()
+
+
+def test_one_bellows_is_pressed_by_hand_and_vents_by_itself(make_driver: Any) -> None:
+    """The way of the first power-up, for one who has no controller yet."""
+    driver = make_driver()
+    wanted = np.zeros(9)
+    wanted[3] = 2e4
+    registers = driver.terminal.emulator.registers
+    count = len(registers.writes)
+    lengths = driver.graph.client.press(wanted, 2.0)
+    assert (np.abs(lengths - 0.2) < 0.1).all()
+    written = np.array([Scaling(MAP).commanded(np.array(w)) for _, w in registers.writes[count:]])
+    assert written[:, 3].max() == pytest.approx(2e4, abs=5.0)
+    assert np.delete(written, 3, axis=1).max() == 0.0, "no other is pressed"
+    driver.graph.wait(lambda: driver.terminal.highest == 0.0, "it vents when nobody commands")
+    driver.press()
+    with pytest.raises(RobotError, match="start the driver alone"):
+        driver.graph.client.press(wanted, 1.0)
 
 
 @pytest.mark.parametrize("fault", ["cut", "restart", "freeze", "swap"])
@@ -368,3 +393,24 @@ def test_a_map_that_is_wrong_ends_it_with_the_field(tmp_path: Path) -> None:
         assert processes._processes["driver"].wait(PATIENCE) == 2
     log = (tmp_path / "driver.log").read_text()
     assert "port is 'many'; it must be a whole number" in log
+
+
+def test_the_emulator_is_a_node_with_faults_to_inject(tmp_path: Path) -> None:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    nodes = [
+        NodeDescription("bha_bringup", "terminal_emulator", {"port": port, "faults": "cut@8"}),
+        NodeDescription("bha_driver", "driver", {"port": port, "autostart": "activate"}),
+    ]
+    with RunningGraph(nodes, tmp_path) as graph:
+        tips = graph.listen("tip")
+        graph.wait(lambda: graph.values("driver").get("life cycle") == "active", "activation")
+        graph.wait(
+            lambda: "connection lost" in graph.values("driver").get("faults", ""), "the fault"
+        )
+        graph.wait(lambda: len(tips.messages) > 10, "a tip, as the lab's tracker sends it")
+        assert abs(tips.last.pose.position.z - 0.65) < 0.1
+        stamps = np.array([nanoseconds(message.header.stamp) for message in tips.messages])
+        assert (np.diff(stamps) % 100_000_000 == 0).all()
+        assert abs(stamps[-1] - time.time_ns()) < 5e9

@@ -4,7 +4,9 @@
 
 The robot of each seed is identified, explores and reaches held-out goals as in `./bha demo`,
 feed-forward, once with the seed's own draws and then with others for postures, exploration and
-sensor noise. What is printed is the scale on which a driver between the two can be judged.
+sensor noise. What is printed is the scale on which a driver between the two can be judged. With
+`--noise-only` postures and exploration keep the seed's draws, as they do in
+benchmarks.scripts.swap_demo.
 """
 
 import argparse
@@ -17,14 +19,17 @@ from bha_goal_babbling.task import find_task
 from bha_pressure_ctrl.pressure_control import PressureControlSettings
 
 
-def error(seed: int, draws: int, minutes: float, goals: int, samples: int) -> float:
+def error(
+    seed: int, draws: int, minutes: float, goals: int, samples: int, *, noise_only: bool
+) -> float:
     """Mean feed-forward error over held-out goals [m]."""
     task = find_task("2d")
+    own = seed if noise_only else draws
     robot = InProcessRobot(
         task,
         seed=seed,
-        learner_settings=LearnerSettings(seed=draws),
-        control_settings=PressureControlSettings(seed=draws),
+        learner_settings=LearnerSettings(seed=own),
+        control_settings=PressureControlSettings(seed=own),
     )
     robot.plant.reset(draws)
     robot.identify(samples)
@@ -43,11 +48,20 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=5.0, help="robot minutes of exploration")
     parser.add_argument("--goals", type=int, default=10, help="held-out goals")
     parser.add_argument("--samples", type=int, default=40, help="postures of the identification")
+    parser.add_argument("--noise-only", action="store_true", help="draw the sensors' noise alone")
     arguments = parser.parse_args()
     for seed in range(arguments.robots):
         draws = [seed, *range(1000, 1000 + arguments.repeats - 1)]
         errors = [
-            error(seed, draw, arguments.minutes, arguments.goals, arguments.samples) * 1e3
+            error(
+                seed,
+                draw,
+                arguments.minutes,
+                arguments.goals,
+                arguments.samples,
+                noise_only=arguments.noise_only,
+            )
+            * 1e3
             for draw in draws
         ]
         mean, spread = np.mean(errors), np.std(errors, ddof=1)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
+import numpy as np
 import typer
 from rich.console import Console
 
 from bha_bringup.robot_client import RobotClient
+from bha_common import bellows
 
 app = typer.Typer(help="Let the driver of the pneumatics press, or not.", no_args_is_help=True)
 console = Console(highlight=False)
@@ -33,6 +37,24 @@ def deactivate() -> None:
 def cleanup() -> None:
     """Vent and disconnect."""
     _change("cleanup")
+
+
+@app.command()
+def press(
+    name: Annotated[str, typer.Argument(help="Which bellows, such as bellows_1_1.")],
+    pressure: Annotated[float, typer.Argument(help="Gauge pressure [Pa].")] = 1e4,
+    seconds: Annotated[float, typer.Option(help="For how long; then it vents by itself.")] = 3.0,
+) -> None:
+    """Press one bellows by hand; for a driver that was started alone."""
+    if name not in bellows.NAMES:
+        raise ValueError(f"{name} is no bellows; there are {', '.join(bellows.NAMES)}")
+    index = bellows.NAMES.index(name)
+    pressures = np.zeros(bellows.COUNT)
+    pressures[index] = pressure
+    with RobotClient() as robot:
+        console.print(f"{name}: {pressure:g} Pa for {seconds:g} s")
+        lengths = robot.press(pressures, seconds)
+    console.print(f"{name} is {lengths[index]:.4f} m long")
 
 
 @app.command()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -20,12 +21,13 @@ from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
 
 from bha_bringup.recording import Recording
-from bha_bringup.robot_connection import RobotConnection, RobotError
+from bha_bringup.robot_connection import CALL_TIMEOUT, RobotConnection, RobotError
 from bha_common.ros_messages import (
     lengths_from,
     nanoseconds,
     point_message,
     pressures_from,
+    pressures_message,
     tip_from,
 )
 from bha_common.ros_node import CONTROL_QOS, WATCHER_QOS
@@ -209,6 +211,32 @@ class RobotClient(RobotConnection):
                 f"{DRIVER} does not {transition}, it is {label}; its log and bha status say why"
             )
         return label
+
+    def press(self, pressures: Array, duration: float) -> Array:
+        """Command pressures (9,) [Pa] by hand for a wall time [s]; the lengths (9,) [m] at its end.
+
+        Raises
+        ------
+        RobotError
+            When somebody else commands pressures, or no lengths come.
+        """
+        if self.node.count_publishers("pressure_command"):
+            raise RobotError("the controller commands the pressures: start the driver alone")
+        seen = Recording()
+        end_recording = self.record(seen)
+        publisher = self.node.create_publisher(Pressures, "pressure_command", CONTROL_QOS)
+        try:
+            if not self.wait(lambda: bool(seen.lengths), CALL_TIMEOUT):
+                raise RobotError("no lengths come: is the driver configured?")
+            deadline = time.monotonic() + duration
+            while time.monotonic() < deadline:
+                stamp = round(seen.lengths[-1][0] * 1e9)
+                publisher.publish(pressures_message(stamp, np.asarray(pressures)))
+                self.wait(lambda: False, 0.1)
+        finally:
+            end_recording()
+            self.node.destroy_publisher(publisher)
+        return seen.lengths[-1][1]
 
     def record(self, into: Recording) -> Callable[[], None]:
         """Begin to record; call what is returned to end it."""

@@ -18,7 +18,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from bha_bringup.graph import NAMESPACE
 
-_CALL_TIMEOUT = 10.0
+CALL_TIMEOUT = 10.0
 
 
 class RobotError(RuntimeError):
@@ -102,10 +102,10 @@ class RobotConnection:
         if name not in self._clients:
             self._clients[name] = self.node.create_client(kind, name)
         client = self._clients[name]
-        if not self.wait(client.service_is_ready, _CALL_TIMEOUT):
+        if not self.wait(client.service_is_ready, CALL_TIMEOUT):
             raise RobotError(f"the service {name} is not there: is the graph up (bha up)?")
         future = client.call_async(request)
-        if not self.wait(future.done, _CALL_TIMEOUT):
+        if not self.wait(future.done, CALL_TIMEOUT):
             raise RobotError(f"the service {name} does not answer")
         return future.result()
 
@@ -120,7 +120,7 @@ class RobotConnection:
         if name not in self._clients:
             self._clients[name] = ActionClient(self.node, kind, name)
         client = self._clients[name]
-        if not self.wait(client.server_is_ready, _CALL_TIMEOUT):
+        if not self.wait(client.server_is_ready, CALL_TIMEOUT):
             raise RobotError(f"the action {name} is not there: is the graph up (bha up)?")
         return client
 
@@ -139,7 +139,7 @@ class RobotConnection:
                 progress(message.feedback)
 
         accepted = client.send_goal_async(goal, feedback_callback=tell)
-        if not self.wait(accepted.done, _CALL_TIMEOUT):
+        if not self.wait(accepted.done, CALL_TIMEOUT):
             raise RobotError(f"the action {name} does not answer")
         handle = accepted.result()
         if not handle.accepted:

@@ -21,6 +21,16 @@ from bha_driver.wire_faults import parse_faults
 from bha_sim.plant import Plant
 from bha_sim.robot_parameters import draw_robot, load_parameters
 
+_LEAD = 0.4
+"""How long before its time a state is there, in periods.
+
+Driver and robot both count whole periods of the system's time. Were the robot to step at the very
+moment at which the driver reads, chance would decide whether a cycle sees the new state or the old
+one. With a lead it is read at its time, and answered, halfway to the next one at the latest, before
+the robot goes on: as in the simulator. So it must be below a half, and with little to spare, for a
+process that wakes up late must be in time all the same.
+"""
+
 
 @dataclass(frozen=True)
 class EmulatorSettings:
@@ -57,6 +67,7 @@ class EmulatorNode(BhaNode):
         self._faults = FaultPlayer(self._emulator, parse_faults(settings.faults))
         self._period = round(settings.plant_period * 1e9)
         self._tip_period = round(settings.tip_period * 1e9)
+        self._lead = round(_LEAD * self._period)
         self._time = RobotTime()
         self._ticks = Ticks(self._period)
         self._started = time.monotonic()
@@ -66,9 +77,9 @@ class EmulatorNode(BhaNode):
 
     def work(self) -> float:
         """Step the robot as often as time has passed for it, and publish its tip."""
-        now = self._time.now()
+        now = self._now
         if self._ticks.wait(now) > 0:
-            return max(0.0, self._ticks.wait(now) * 1e-9)
+            return self._ticks.wait(now) * 1e-9
         tick = self._ticks.take(now)
         self._faults.advance(time.monotonic() - self._started)
         # A robot does not wait: what was missed is caught up with.
@@ -83,15 +94,26 @@ class EmulatorNode(BhaNode):
             state = self._plant.state
             stamp = tick // self._tip_period * self._tip_period
             self._tip.publish(tip_message(stamp, state.tip, state.tip_quaternion))
-        return max(0.0, self._ticks.wait(self._time.now()) * 1e-9)
+        return max(0.0, self._ticks.wait(self._now) * 1e-9)
+
+    @property
+    def _now(self) -> int:
+        """The robot's own time [ns], ahead of the driver's."""
+        return self._time.now() + self._lead
 
     def close(self) -> None:
-        """End the server."""
+        """End the server, and leave in the log how the exchanges lay between the steps."""
         self._emulator.close()
+        timing = self._emulator.registers.timing
+        self.get_logger().info(
+            f"{timing.cycles} cycles, {timing.late} late writes, {timing.stale} states read twice, "
+            f"{timing.skipped} not read; {self._ticks.missed} steps were late"
+        )
 
     def diagnose(self) -> tuple[bytes, str, dict[str, str]]:
         """Tell who is connected and what is wrong on purpose."""
         faults = ", ".join(sorted(self._emulator.faults))
+        timing = self._emulator.registers.timing
         values = {
             "port": str(self._emulator.port),
             "connections": str(self._emulator.connections),
@@ -99,6 +121,11 @@ class EmulatorNode(BhaNode):
             "faults": faults or "none",
             "watchdog trips": str(self._emulator.registers.trips),
             "late steps": str(self._ticks.missed),
+            "read to write [ms]": f"{timing.median * 1e3:.2f}, at most {timing.longest * 1e3:.2f}",
+            "cycles": str(timing.cycles),
+            "states read twice": str(timing.stale),
+            "states not read": str(timing.skipped),
+            "late writes": str(timing.late),
         }
         if faults:
             return WARN, f"injected: {faults}", values

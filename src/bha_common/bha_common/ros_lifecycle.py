@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import traceback
+from collections.abc import Callable
 from typing import Any
 
 from lifecycle_msgs.msg import State
@@ -44,6 +46,23 @@ class ManagedNode(LifecycleNodeMixin, BhaNode):
                 return response
 
         self._service_change_state.callback = checked
+        callbacks: dict[int, Any] = self._callbacks
+        for state, callback in callbacks.items():
+            callbacks[state] = self._telling(callback)
+
+    def _telling(
+        self, callback: Callable[[LifecycleState], Any]
+    ) -> Callable[[LifecycleState], Any]:
+        """Log what breaks a transition off; rclpy goes to `on_error` without a word."""
+
+        def tell(before: LifecycleState) -> Any:
+            try:
+                return callback(before)
+            except Exception:
+                self.get_logger().error(f"a transition broke off: {traceback.format_exc()}")
+                raise
+
+        return tell
 
     @property
     def life_state(self) -> int:

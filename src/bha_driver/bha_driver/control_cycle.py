@@ -69,6 +69,7 @@ class ControlCycle:
             When that fails.
         """
         self._armed = False
+        self._retry_at = -np.inf  # the clock may have been set back since
         for attempt in range(_TRIES):
             try:
                 self._terminal.connect()

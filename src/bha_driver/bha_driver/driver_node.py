@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import dataclasses
 import time
-from dataclasses import dataclass
 
 import numpy as np
 from bha_interfaces.msg import Pressures
@@ -19,43 +17,23 @@ from bha_common.ros_lifecycle import (
     FAILURE,
     INACTIVE,
     SUCCESS,
-    UNCONFIGURED,
     LifecycleState,
     ManagedNode,
 )
 from bha_common.ros_node import CONTROL_QOS, ERROR, LATCHED_QOS, OK, WARN, exit_with, run
 from bha_common.ros_parameters import declare_settings
 from bha_common.ros_wire import encode_lengths, encode_pressures
-from bha_common.settings import check_settings, setting
 from bha_common.stamps import check_command_stamp
-from bha_driver.control_cycle import ControlCycle, Reading
+from bha_driver.autostart import Autostart
+from bha_driver.control_cycle import ControlCycle
+from bha_driver.cycle_schedule import CycleSchedule
+from bha_driver.driver_settings import DriverSettings
 from bha_driver.errors import DriverError
-from bha_driver.robot_time import RobotTime, Ticks
-from bha_driver.safety import EMERGENCY_STOP, Safety
-from bha_driver.terminal_file import load_terminal
+from bha_driver.latched_faults import EMERGENCY_STOP
+from bha_driver.robot_time import RobotTime
+from bha_driver.safety import Safety
 
 Array = NDArray[np.float64]
-
-_CONFIGURE_AGAIN = 1.0  # [s] between two tries to configure by itself
-
-
-@dataclass(frozen=True)
-class DriverSettings:
-    """Which terminal is driven, and how often."""
-
-    terminal: str = setting("", "YAML of the terminal; empty: the emulated one")
-    host: str = setting("", "Address of the terminal; empty: as the YAML says")
-    port: int = setting(0, "TCP port of the terminal; 0: as the YAML says", low=0, high=65535)
-    control_period: float = setting(0.02, "Time between two cycles [s]", low=5e-3, high=0.1)
-    max_command_age: float = setting(
-        0.5, "Age at which a pressure command is dropped [s]", low=0.02
-    )
-    autostart: str = setting(
-        "none", "What it does by itself", choices=("none", "configure", "activate")
-    )
-
-    def __post_init__(self) -> None:
-        check_settings(self)
 
 
 class Driver(ManagedNode):
@@ -64,21 +42,12 @@ class Driver(ManagedNode):
     def __init__(self) -> None:
         super().__init__("driver")
         self._settings = declare_settings(self, DriverSettings)
-        terminal = load_terminal(self._settings.terminal or None)
-        self._map = dataclasses.replace(
-            terminal,
-            host=self._settings.host or terminal.host,
-            port=self._settings.port or terminal.port,
-        )
+        self._map = self._settings.terminal_map()
         period = self._settings.control_period
         self._safety = Safety(self._map, declare_settings(self, SafetySettings), period)
         self._cycle = ControlCycle(self._map, self._safety)
-        self._time = RobotTime()
-        self._ticks = Ticks(round(period * 1e9))
-        self._answer_time = round(0.5 * period * 1e9)
-        self._now = 0  # stamp of the newest lengths [ns]
-        self._write_due: int | None = None  # when the set-points are written at the latest [ns]
-        self._autostart_due = 0.0
+        self._begin_time()
+        self._autostart = Autostart(self._settings.autostart)
         self._told: bool | None = None
         self._told_faults = 0
 
@@ -90,11 +59,9 @@ class Driver(ManagedNode):
         self.create_service(Trigger, "emergency_stop_reset", self._reset_stop)
         self._tell_stop()
 
-    # --- life cycle ------------------------------------------------------------------------
-
     def on_configure(self, _: LifecycleState) -> object:
         """Connect, read identity and inputs; drive nothing."""
-        self._time = RobotTime()
+        self._begin_time()
         try:
             reading = self._cycle.open(self._seconds())
         except DriverError as error:
@@ -121,81 +88,66 @@ class Driver(ManagedNode):
         self.close()
         return SUCCESS
 
-    def on_shutdown(self, _: LifecycleState) -> object:
-        """Vent at once, and close the connection."""
-        self.close()
-        return SUCCESS
+    on_shutdown = on_error = on_cleanup
 
     def close(self) -> None:
         """Vent at once, and close the connection."""
-        self._write_due = None
+        self._schedule.written()
         self._cycle.close(self._seconds, time.sleep)
-
-    # --- cycle -----------------------------------------------------------------------------
 
     def work(self) -> float:
         """Read when that is due; write when the answer is there, or does not come in time."""
         if self.life_state not in (INACTIVE, ACTIVE):
-            self._autostart()
+            self._start_by_itself()
             return 0.1
         now = self._time.now()
-        if self._write_due is not None and now >= self._write_due:
+        if self._schedule.write_due(now):
             self._write()
-        wait = self._ticks.wait(now)
-        if wait <= 0:
-            self._read(self._ticks.take(now))
-            self._autostart()
-            wait = self._ticks.wait(self._time.now())
-        if self._write_due is not None:
-            wait = min(wait, self._write_due - self._time.now())
-        return max(0.0, wait * 1e-9)
+        if self._schedule.read_due(now):
+            if self._schedule.write_owed:
+                self._write()
+            self._read(now)
+            self._start_by_itself()
+        return self._schedule.wait(self._time.now()) * 1e-9
 
-    def _read(self, tick: int) -> None:
-        if self._write_due is not None:
-            self._write()
+    def _read(self, now: int) -> None:
+        tick = self._schedule.begin(now)
         reading = self._cycle.read(self._seconds())
         if reading is not None:
-            self._publish(tick, reading)
-        self._write_due = tick + self._answer_time
+            self._now = tick
+            self._pressures.publish(encode_pressures(tick, reading.pressures))
+            if reading.plausible:
+                self._lengths.publish(encode_lengths(tick, reading.lengths))
         if self._safety.state != "running":
             self._write()  # no answer is waited for
         self._tell_stop()
 
-    def _publish(self, tick: int, reading: Reading) -> None:
-        self._now = tick
-        self._pressures.publish(encode_pressures(tick, reading.pressures))
-        if reading.plausible:
-            self._lengths.publish(encode_lengths(tick, reading.lengths))
-
     def _write(self) -> None:
-        self._write_due = None
+        self._schedule.written()
         self._cycle.write(self._seconds())
         self._tell_stop()
 
     def _take_command(self, stamp: int, pressures: Array) -> None:
         check_command_stamp(stamp, self._now or None, self._settings.max_command_age)
         self._safety.offer(stamp * 1e-9, pressures)
-        if stamp == self._now and self._write_due is not None:
+        if stamp == self._now and self._schedule.write_owed:
             self._write()
+
+    def _begin_time(self) -> None:
+        """Take the system's time anew: it may have been set, back too."""
+        self._time = RobotTime()
+        self._schedule = CycleSchedule(round(self._settings.control_period * 1e9))
+        self._now = 0  # stamp of the newest lengths [ns]
 
     def _seconds(self) -> float:
         return self._time.now() * 1e-9
 
-    def _autostart(self) -> None:
-        """Configure and activate by itself, if that is wanted, until it has worked once."""
-        wanted, now = self._settings.autostart, time.monotonic()
-        if self._autostart_due == np.inf or now < self._autostart_due:
-            return
-        self._autostart_due = now + _CONFIGURE_AGAIN
-        if wanted != "none" and self.life_state == UNCONFIGURED:
+    def _start_by_itself(self) -> None:
+        step = self._autostart.next_step(self.life_label, time.monotonic())
+        if step == "configure":
             self.trigger_configure()
-        if wanted == "activate" and self.life_state == INACTIVE:
+        elif step == "activate":
             self.trigger_activate()
-        goal = {"none": UNCONFIGURED, "configure": INACTIVE, "activate": ACTIVE}[wanted]
-        if self.life_state == goal:
-            self._autostart_due = np.inf
-
-    # --- emergency stop --------------------------------------------------------------------
 
     def _stop(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._safety.stop(self._seconds())
@@ -233,7 +185,7 @@ class Driver(ManagedNode):
             "terminal": f"{self._map.name} at {self._map.host}:{self._map.port}",
             "connected": str(self._cycle.connected),
             "failed exchanges": str(self._cycle.failures),
-            "missed cycles": str(self._ticks.missed),
+            "missed cycles": str(self._schedule.missed),
             "faults": "; ".join(map(str, faults)) or "none",
         }
         if faults:

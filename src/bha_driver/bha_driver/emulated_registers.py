@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bha_common import bellows
+from bha_driver.exchange_timing import ExchangeTiming
 from bha_driver.scaling import Scaling
 from bha_driver.terminal_map import TerminalMap
 
@@ -61,6 +62,7 @@ class EmulatedRegisters:
         self._registers: dict[int, int] = {}
         self._fed = clock()
         self.frozen = False
+        self.timing = ExchangeTiming()
         self.trips = 0
         """How often the watchdog has vented."""
         self._written: deque[tuple[float, tuple[int, ...]]] = deque(maxlen=100_000)
@@ -109,6 +111,8 @@ class EmulatedRegisters:
     def read(self, register: int, count: int) -> list[int]:
         """Read registers that are there."""
         with self._lock:
+            if register <= self._first_input < register + count:
+                self.timing.read(self._clock())
             return list(self._row(register, count))
 
     def write(self, register: int, words: list[int]) -> None:
@@ -119,6 +123,7 @@ class EmulatedRegisters:
                 register + len(words) > self._first_output
             ):
                 self._fed = self._clock()
+                self.timing.written(self._fed)
                 outputs = self._row(self._first_output, self._outputs_count)
                 self._written.append((self._fed, outputs))
             elif register == self._map.watchdog.register:
@@ -131,6 +136,7 @@ class EmulatedRegisters:
             words = np.array(self._row(self._first_output, self._outputs_count))
         self._plant.step(self._scaling.commanded(words))
         with self._lock:
+            self.timing.stepped()
             self._refresh()
 
     def watch(self) -> None:

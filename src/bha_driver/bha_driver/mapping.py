@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from collections.abc import Mapping
 from typing import Any, TypeVar, get_type_hints
@@ -48,7 +49,7 @@ def build(cls: type[Section], data: Any, where: str) -> Section:
         raise TerminalMapError(
             f"{join(where, unknown[0])} is unknown; valid are {', '.join(fields)}"
         )
-    hints = get_type_hints(cls)
+    hints = _hints(cls)  # type: ignore[arg-type]
     values = {}
     for name, field in fields.items():
         if name in data:
@@ -99,6 +100,12 @@ def convert(kind: Any, value: Any, where: str) -> Any:
 def join(where: str, name: str) -> str:
     """Give the full name of a field."""
     return f"{where}.{name}" if where else name
+
+
+@functools.cache
+def _hints(cls: type) -> dict[str, Any]:
+    # Compiles every annotation: for each of 27 channels that would take most of a map's loading.
+    return get_type_hints(cls)
 
 
 def _meaning(description: str) -> str:

@@ -6,45 +6,28 @@ told. Pressures rise only while the driver is active, no fault is latched and va
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
-from bha_common import bellows
 from bha_common.command_gate import CommandGate, SafetySettings
+from bha_driver.latched_faults import (
+    EMERGENCY_STOP,
+    LINK_LOST,
+    OVERSLEPT,
+    RESTARTED,
+    Fault,
+    LatchedFaults,
+)
+from bha_driver.link_watch import LinkWatch
 from bha_driver.plausibility import Plausibility
 from bha_driver.scaling import Scaling
+from bha_driver.set_points import SetPoints
 from bha_driver.terminal_map import TerminalMap
 
 Array = NDArray[np.float64]
 Words = NDArray[np.int64]
 
-EMERGENCY_STOP = "emergency stop"
-LINK_LOST = "connection lost"
-RESTARTED = "terminal restarted"
-OVERSLEPT = "writes overdue"
-
 _SHUTDOWN_TIME = 1.0  # [s] from full pressure to none when the driver ends
-
-
-@dataclass(frozen=True)
-class Fault:
-    """Why the driver is in its safe state: latched until an explicit reset.
-
-    Attributes
-    ----------
-    which : The kind, such as ``connection lost``.
-    why : What was seen.
-    time : When [s].
-    """
-
-    which: str
-    why: str
-    time: float
-
-    def __str__(self) -> str:
-        return f"{self.which}: {self.why}" if self.why else self.which
 
 
 class Safety:
@@ -54,35 +37,26 @@ class Safety:
     ----------
     terminal : The terminal's map with its limits.
     settings : Watchdog and safe state, as the simulator has them.
-    period : Time between two cycles [s]; a pressure never changes by more than one period's worth
-        from one write to the next, however late it is.
+    period : Time between two cycles [s].
     """
 
     INACTIVE = "inactive"
 
     def __init__(self, terminal: TerminalMap, settings: SafetySettings, period: float) -> None:
-        self._map, self._settings, self._period = terminal, settings, period
+        self._limits, self._settings = terminal.limits, settings
         self._gate = CommandGate(settings)
         self._scaling = Scaling(terminal)
         self._plausibility = Plausibility(terminal.limits)
-        self._faults: list[Fault] = []
+        self._link = LinkWatch(terminal, period)
+        self._set_points = SetPoints(terminal, period)
+        self._faults = LatchedFaults()
         self._active = False
-        self._linked = False
         self._bad_range = ""
-        self._link_trouble = "never connected"
-        self._read_at = -np.inf  # time of the last good read
-        self._written_at = -np.inf  # time of the last confirmed write
-        self._last: float | None = None  # time of the last decision
-        self._applied = np.zeros(bellows.COUNT)
-        self._pressing = False
-        self._venting_done = (
-            False  # whether the set-points decided on last are those of no pressure
-        )
 
     @property
     def faults(self) -> tuple[Fault, ...]:
         """What is latched, oldest first."""
-        return tuple(self._faults)
+        return self._faults.all
 
     @property
     def stopped(self) -> bool:
@@ -90,14 +64,9 @@ class Safety:
         return bool(self._faults)
 
     @property
-    def active(self) -> bool:
-        """Whether the driver may press."""
-        return self._active
-
-    @property
     def pressing(self) -> bool:
         """Whether the terminal may hold pressures, as far as is known."""
-        return self._pressing
+        return self._set_points.pressing
 
     @property
     def state(self) -> str:
@@ -107,22 +76,21 @@ class Safety:
     @property
     def applied(self) -> Array:
         """Pressures that the terminal was told last [Pa], shape (9,)."""
-        return self._applied.copy()
+        return self._set_points.applied
 
     # --- what is wanted --------------------------------------------------------------------
 
     def activate(self, time: float) -> str:
         """Allow pressing from `time` [s] on; the reason when that cannot be, else empty."""
         if self._faults:
-            return f"reset first: {self._faults[0]}"
-        if not self._linked:
-            return f"not connected: {self._link_trouble}"
-        if self._bad_range:
-            return self._bad_range
+            return f"reset first: {self.faults[0]}"
+        if self._why_not_driven():
+            return self._why_not_driven()
         if not self._active:
             self._gate.drop(time)
-            self._active, self._last = True, None
-            self._read_at = self._written_at = time
+            self._active = True
+            self._set_points.begin()
+            self._link.begin(time)
         return ""
 
     def deactivate(self, time: float) -> None:
@@ -131,8 +99,8 @@ class Safety:
         self._gate.drop(time)
 
     def offer(self, time: float, pressures: Array) -> None:
-        """Take a valid command of `time` [s]: pressures [Pa], shape (9,)."""
-        if self._active and self._linked:
+        """Take a command of `time` [s]: pressures [Pa], shape (9,); none that is not finite."""
+        if self._active and self._link.linked and np.isfinite(pressures).all():
             self._gate.offer(time, pressures)
 
     def stop(self, time: float) -> None:
@@ -144,10 +112,8 @@ class Safety:
 
         Only a command newer than `time` [s] counts after that.
         """
-        if self._active and not self._linked:
-            return f"not connected: {self._link_trouble}"
-        if self._active and self._bad_range:
-            return self._bad_range
+        if self._active and self._why_not_driven():
+            return self._why_not_driven()
         self._faults.clear()
         self._plausibility.forget()
         self._gate.reset_stop(time)
@@ -165,10 +131,10 @@ class Safety:
             been restarted nor vented since.
         """
         if not intact:
-            if self._pressing:
+            if self.pressing:
                 self._latch(RESTARTED, "what it held is gone, or not known", time)
             self._begin_at_nothing()
-        self._linked = True
+        self._link.linked = True
 
     def link_failed(self, time: float, why: str = "", *, gone: bool = False) -> None:
         """Take note of an exchange that failed, or of a connection that cannot be made.
@@ -180,28 +146,26 @@ class Safety:
         gone : Whether the terminal itself has ended the connection, or is not there: that counts
             at once. An answer may be late a few times.
         """
-        self._linked, self._link_trouble = False, why or self._link_trouble
-        if self._active or self._pressing:
-            silence = time - min(self._read_at, self._written_at)
-            # Half a cycle of slack: times of cycles are not exact.
-            if gone or silence > self._map.timeouts.link - 0.5 * self._period:
-                self._latch(LINK_LOST, self._link_trouble, time)
+        self._link.failed(why)
+        if (self._active or self.pressing) and (gone or self._link.lost(time)):
+            self._latch(LINK_LOST, self._link.trouble, time)
 
     def see(self, time: float, block: Words) -> bool:
         """Judge what was read at `time` [s]; whether the lengths can be believed."""
-        self._read_at = time
+        self._link.read(time)
+        lengths = self._scaling.lengths(block)
+        self._bad_range = self._plausibility.out_of_range(lengths)
         which, why = self._plausibility.judge(
-            time, self._scaling.raw_lengths(block), self._scaling.lengths(block), self._applied
+            time, self._scaling.raw_lengths(block), lengths, self.applied
         )
-        self._bad_range = self._plausibility.out_of_range(self._scaling.lengths(block))
-        if which and (self._active or self._pressing):
+        if which and (self._active or self.pressing):
             self._latch(which, why, time)
         return not which
 
     def confirmed(self, time: float) -> None:
-        """Take note that the last set-points were written at `time` [s]."""
-        self._written_at = time
-        self._pressing = not self._venting_done
+        """Take note that the set-points decided on at `time` [s] were written."""
+        self._link.written(time)
+        self._set_points.confirmed()
 
     # --- what is written -------------------------------------------------------------------
 
@@ -217,42 +181,35 @@ class Safety:
         -------
         Raw set-points, shape (9,), as one block; None when nothing is to be written.
         """
-        if not self._linked:
+        if not self._link.linked:
             return None
-        elapsed = 0.0 if self._last is None else min(max(time - self._last, 0.0), self._period)
-        self._last = time
-        if not self._active and not self._pressing:
+        elapsed = self._set_points.elapsed(time)
+        if not self._active and not self.pressing:
             return None
-        # A write that arrives when the terminal has vented by itself would press again.
-        limit = self._map.watchdog.time - self._map.timeouts.request
-        if self._pressing and time - self._written_at > limit:
-            self._latch(OVERSLEPT, f"none for {time - self._written_at:.2f} s", time)
+        overdue = self._link.overdue(time)
+        if self.pressing and overdue:
+            self._latch(OVERSLEPT, f"none for {overdue:.2f} s", time)
             self._begin_at_nothing()
-        target = self._target(time, elapsed, ending)
-        step = self._map.limits.pressure_rate * elapsed
-        self._applied = np.clip(target, self._applied - step, self._applied + step)
-        self._gate.applied(self._applied)
-        block = self._scaling.set_points(self._applied)
-        self._venting_done = np.array_equal(block, self._scaling.vented)
-        # What is not confirmed may have been taken all the same.
-        self._pressing = self._pressing or not self._venting_done
+        block = self._set_points.move(self._wanted(time, elapsed, ending), elapsed)
+        self._gate.applied(self.applied)
         return block
 
-    def _target(self, time: float, elapsed: float, ending: bool) -> Array:
+    def _wanted(self, time: float, elapsed: float, ending: bool) -> Array:
         if self._active and not ending:
-            wanted = self._gate.pressures(time, elapsed)
-            return np.minimum(wanted, self._map.limits.pressure)
+            return self._gate.pressures(time, elapsed)
         rate = self._settings.vent_rate
         if ending:
-            rate = max(rate, self._map.limits.pressure / _SHUTDOWN_TIME)
-        return np.maximum(self._applied - rate * elapsed, 0.0)
+            rate = max(rate, self._limits.pressure / _SHUTDOWN_TIME)
+        return np.maximum(self.applied - rate * elapsed, 0.0)
+
+    def _why_not_driven(self) -> str:
+        """Tell why this terminal must not be driven as it is now; empty when it may."""
+        return self._bad_range if self._link.linked else f"not connected: {self._link.trouble}"
 
     def _begin_at_nothing(self) -> None:
-        """Go on from no pressure: the terminal has vented, or nobody knows what it holds."""
-        self._applied = np.zeros(bellows.COUNT)
-        self._gate.applied(self._applied)
+        self._set_points.begin_at_nothing()
+        self._gate.applied(self.applied)
 
     def _latch(self, which: str, why: str, time: float) -> None:
         self._gate.stop()
-        if all(fault.which != which for fault in self._faults):
-            self._faults.append(Fault(which, why, time))
+        self._faults.latch(which, why, time)

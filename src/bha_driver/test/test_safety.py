@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bha_common.command_gate import SafetySettings
-from bha_driver.safety import EMERGENCY_STOP, LINK_LOST, OVERSLEPT, RESTARTED, Safety
+from bha_driver.latched_faults import EMERGENCY_STOP, LINK_LOST, OVERSLEPT, RESTARTED
+from bha_driver.safety import Safety
 from bha_driver.scaling import Scaling
 from bha_driver.terminal_file import example_path, load_terminal
 
@@ -83,7 +84,7 @@ class Robot:
         raise AssertionError(f"not vented within {limit} s: {self.safety.applied}")
 
 
-NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
+NUMBERS = st.floats()  # not a number and infinite ones among them
 EVENTS = st.one_of(
     st.tuples(st.just("cycle"), st.lists(NUMBERS, min_size=9, max_size=9)),
     st.tuples(st.just("silence"), st.integers(1, 80)),
@@ -154,6 +155,20 @@ def test_whatever_happens_each_write_is_allowed(events: list[tuple[str, object]]
         assert (change <= allowed).all()
         assert ((change >= -allowed) | (words == SCALING.vented)).all()
         before, time = words, now
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_a_command_that_is_no_number_is_none(value: float) -> None:
+    robot = Robot().ready()
+    command = FULL.copy()
+    command[3] = value
+    while robot.safety.state != "running":
+        robot.cycle(np.full(9, 5e4))
+    before = robot.cycle(np.full(9, 5e4))
+    for _ in range(100):
+        robot.cycle(command)
+    assert robot.safety.state == "silent", "the last valid one stands until the watchdog ends it"
+    assert (robot.safety.applied < before + 5e4).all()
 
 
 def test_a_command_arrives_at_the_limited_rate() -> None:

@@ -1,0 +1,96 @@
+"""The comparison of the two demonstrations, without running them."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.scripts import swap_demo, swap_spread
+from benchmarks.scripts.swap_demo import Comparison, plan, stored
+from bha_bringup.demo_record import DemoRecord, GoalRecord
+from bha_bringup.demo_settings import DemoSettings
+
+
+def test_two_runs_of_a_seed_differ_by_the_robot_alone(tmp_path: Path) -> None:
+    first, second, third, _ = plan([3, 4], 5.0, 30, tmp_path)
+    assert (first.robot, second.robot) == ("sim", "hardware-emulated")
+    for name in ("space", "minutes", "seed", "goals", "identification_samples"):
+        assert getattr(first, name) == getattr(second, name)
+    assert third.seed == 4
+    assert first.out != second.out
+
+
+@pytest.mark.parametrize(
+    ("factor", "holds"), [(1.19, True), (1.21, False), (0.81, True), (0.7, False)]
+)
+def test_the_bound_holds_both_ways(factor: float, holds: bool) -> None:
+    errors = np.linspace(0.002, 0.02, 30)
+    one = Comparison(errors, factor * errors)
+    assert one.holds is holds
+    assert one.difference == pytest.approx(factor - 1.0)
+    assert one.standard_error == pytest.approx(0.0, abs=1e-12), "the same on every goal"
+
+
+def test_the_standard_error_is_that_of_other_goals() -> None:
+    rng = np.random.default_rng(0)
+    found = []
+    for _ in range(2000):
+        errors = rng.uniform(0.002, 0.02, 30)
+        found.append(Comparison(errors, errors * rng.uniform(0.5, 1.5, 30)))
+    spread = np.std([one.difference for one in found])
+    assert np.median([one.standard_error for one in found]) == pytest.approx(spread, rel=0.1)
+
+
+def record(settings: DemoSettings, error: float) -> DemoRecord:
+    goals = [
+        GoalRecord(np.zeros(3), feedforward_error=error, feedback_error=0.1 * error)
+        for _ in range(settings.goals)
+    ]
+    return DemoRecord(settings, exploration_minutes=settings.minutes, goals=goals, complete=True)
+
+
+def test_what_is_done_is_taken_over_when_it_is_the_same(tmp_path: Path) -> None:
+    settings, *_ = plan([0], 5.0, 4, tmp_path)
+    assert stored(settings) is None
+    settings.out.mkdir()
+    record(settings, 0.01).write(settings.out)
+    found = stored(settings)
+    assert found is not None
+    assert found["feedforward"] == pytest.approx(np.full(4, 0.01))
+    assert stored(plan([0], 6.0, 4, tmp_path)[0]) is None, "other minutes"
+    assert stored(plan([0], 5.0, 5, tmp_path)[0]) is None, "other goals"
+    cut = json.loads((settings.out / "results.json").read_text()) | {"complete": False}
+    (settings.out / "results.json").write_text(json.dumps(cut))
+    assert stored(settings) is None, "broken off"
+
+
+@pytest.mark.parametrize(("behind", "code"), [(0.011, 0), (0.013, 1)])
+def test_it_says_whether_the_bound_holds(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    behind: float,
+    code: int,
+) -> None:
+    def run(settings: DemoSettings, _: object) -> dict[str, np.ndarray]:
+        error = 0.01 if settings.robot == "sim" else behind
+        settings.out.mkdir()
+        record(settings, error).write(settings.out)
+        return {kind: record(settings, error).errors(kind) for kind in swap_demo.KINDS}
+
+    monkeypatch.setattr(swap_demo, "measure", run)
+    monkeypatch.setattr(sys, "argv", ["swap_demo", "--seeds", "0", "--out", str(tmp_path)])
+    draws = iter(np.linspace(0.008, 0.0135, 8))
+    monkeypatch.setattr(swap_spread, "error", lambda *_, **__: next(draws))
+    with pytest.raises(SystemExit) as ended:
+        swap_demo.main()
+    assert ended.value.code == code
+    shown = capsys.readouterr().out
+    assert ("within 20%: all" in shown) is (code == 0)
+    assert "10.0" in shown
+    assert shown.count("0 movements, 0 samples, 0 maps") == 2
+    better = int((np.linspace(0.008, 0.0135, 8) < behind).sum())
+    assert "8 runs in the simulator 8.0 to 13.5 mm, mean 10.8 mm" in shown
+    assert f"{better} of them are better" in shown
