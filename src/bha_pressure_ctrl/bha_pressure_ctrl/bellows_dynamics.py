@@ -1,4 +1,4 @@
-"""What an equilibrium does not tell of the bellows: what they remember, and how they lag."""
+"""What an equilibrium does not tell: how bellows remember and lag, and how the trunk swings."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ class BellowsDynamics:
     Attributes
     ----------
     memory : Pressure per state of `BellowsMemory` [Pa/m], shape (STATES, 9).
+    inertia : Pressure per acceleration [Pa s^2/m], shape (9, 9).
     dead_time : Time until the lengths begin to follow the pressures [s].
     fill_lag, vent_lag : Lag with which they follow rising and falling pressures, for which a lead
         makes up [s].
@@ -30,17 +31,19 @@ class BellowsDynamics:
     """
 
     memory: Array = field(default_factory=lambda: np.zeros((STATES, bellows.COUNT)))
+    inertia: Array = field(default_factory=lambda: np.zeros((bellows.COUNT, bellows.COUNT)))
     dead_time: float = 0.0
     fill_lag: float = 0.0
     vent_lag: float = 0.0
     response_lag: float = 0.5
 
     def __post_init__(self) -> None:
-        memory = np.array(self.memory, dtype=np.float64)
-        if memory.shape != (STATES, bellows.COUNT) or not np.all(np.isfinite(memory)):
-            raise ValueError(f"memory must be finite, shape ({STATES}, {bellows.COUNT})")
-        memory.setflags(write=False)
-        object.__setattr__(self, "memory", memory)
+        for name, rows in (("memory", STATES), ("inertia", bellows.COUNT)):
+            array = np.array(getattr(self, name), dtype=np.float64)
+            if array.shape != (rows, bellows.COUNT) or not np.all(np.isfinite(array)):
+                raise ValueError(f"{name} must be finite, shape ({rows}, {bellows.COUNT})")
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
         for name in TIMES:
             if not 0.0 <= getattr(self, name) <= LONGEST:
                 raise ValueError(f"{name} must be from 0 to {LONGEST:g} s")

@@ -1,9 +1,8 @@
 """How a new command is brought on: evenly, with a lead for what lags, expecting what will come.
 
-The lengths commanded, and the pressures of the model for them, are averaged over the last
-`smoothing_time`: a step becomes a ramp of that length, which ends where a lag would still come
-nearer, and does not set a trunk swinging that swings about once in that time. What the bellows'
-memory costs is added. Of that,
+The lengths commanded, and the pressures of the model for them, are averaged over two times in a
+row, together `smoothing_time`: a step becomes a ramp with rounded ends, which is over where lags
+would still come nearer. What the bellows' memory and the trunk's inertia cost is added. Of that,
 
 - the pressures to apply are those that a lag of first order, that of the valves and hoses as it was
   identified, turns into it; within the range: what that takes away is made up for later;
@@ -26,6 +25,7 @@ from bha_pressure_ctrl.bellows_memory import BellowsMemory
 Array = NDArray[np.float64]
 
 _FAR = 5e-3  # [m] beyond what is expected; from there on the robot was really elsewhere
+_SMOOTHING = (0.7, 0.3)  # shares of the smoothing time, each averaged over after the other
 _FAR_TIME = 1.0  # [s] for which it must be there: steps are not foreseen to the millimetre
 
 
@@ -34,13 +34,13 @@ class ShapingSettings:
     """How commands are brought on."""
 
     smoothing_time: float = setting(
-        0.56,
-        "Time over which a command is averaged, about one swing of the trunk [s]",
+        0.48,
+        "Time in which the step of a command is brought on [s]",
         low=0.0,
         high=10.0,
     )
     response_lag: float = setting(
-        0.12,
+        0.15,
         "Lag with which lengths are expected to follow what is asked for [s]",
         low=0.0,
         high=5.0,
@@ -73,9 +73,12 @@ class CommandShaping:
     ) -> None:
         # Lengths and pressures in one array: they go the same way.
         begin = np.concatenate([lengths, pressures])
-        count = max(1, round(settings.smoothing_time / period))
-        self._mean, self._last = begin, deque([begin / count] * count)
-        self._part = 1.0 / count
+        self._means = [
+            _Mean(begin, max(1, round(share * settings.smoothing_time / period)))
+            for share in _SMOOTHING
+        ]
+        self._inertia = dynamics.inertia / period**2
+        self._before = self._long_before = lengths
         self._costs = dynamics.memory
         self._memory = BellowsMemory(lengths, period)
         self._fill_share = _share(dynamics.fill_lag, period)
@@ -102,14 +105,15 @@ class CommandShaping:
         -------
         Pressures to apply [Pa] and lengths to expect [m], both of shape (9,).
         """
-        part = target * self._part
-        self._last.append(part)
-        self._mean = self._mean + (part - self._last.popleft())
-        lengths, pressures = self._mean[: bellows.COUNT], self._mean[bellows.COUNT :]
+        for mean in self._means:
+            target = mean.update(target)
+        lengths, pressures = target[: bellows.COUNT], target[bellows.COUNT :]
+        accelerated = lengths - 2.0 * self._before + self._long_before
+        self._before, self._long_before = lengths, self._before
         self._apart = self._apart + self._far_share * (measured - self._expected - self._apart)
         far = self._apart - np.minimum(np.maximum(self._apart, -_FAR), _FAR)
         states = self._memory.update(lengths + far)
-        wanted = pressures + (self._costs * states).sum(axis=0)
+        wanted = pressures + (self._costs * states).sum(axis=0) + self._inertia @ accelerated
         away = wanted - self._valves
         shares = np.where(away > 0.0, self._fill_share, self._vent_share)
         applied = np.minimum(np.maximum(self._valves + away / shares, low), high)
@@ -118,6 +122,20 @@ class CommandShaping:
         come = self._waiting.popleft()
         self._expected = self._expected + self._response_share * (come - self._expected)
         return applied, self._expected
+
+
+class _Mean:
+    """The mean of the last values, all of them the first at the start."""
+
+    def __init__(self, start: Array, count: int) -> None:
+        self._part = 1.0 / count
+        self._value, self._last = start, deque([start * self._part] * count)
+
+    def update(self, value: Array) -> Array:
+        part = value * self._part
+        self._last.append(part)
+        self._value = self._value + (part - self._last.popleft())
+        return self._value
 
 
 def _share(time: float, period: float) -> float:

@@ -168,7 +168,12 @@ class EquilibriumModel:
             kind=_KIND,
             version=_VERSION,
             robot=robot,
-            arrays={"mean_lengths": self.mean_lengths, "memory": self.dynamics.memory, **arrays},
+            arrays={
+                "mean_lengths": self.mean_lengths,
+                "memory": self.dynamics.memory,
+                "inertia": self.dynamics.inertia,
+                **arrays,
+            },
             settings={
                 **{name: getattr(self, name) for name in _SCALARS},
                 **{name: getattr(self.dynamics, name) for name in TIMES},
@@ -190,7 +195,7 @@ class EquilibriumModel:
             fields: dict[str, Any] = {**stored.arrays, **stored.settings}
             elm = Elm(**{name: fields.pop(name) for name in _ELM})
             times = {name: fields.pop(name) for name in TIMES}
-            dynamics = BellowsDynamics(fields.pop("memory"), **times)
+            dynamics = BellowsDynamics(fields.pop("memory"), fields.pop("inertia"), **times)
             return cls(elm=elm, dynamics=dynamics, **fields)
         except (AttributeError, KeyError, TypeError, ValueError) as error:
             raise ModelFileError(f"{path}: does not hold a whole model: {error}") from error

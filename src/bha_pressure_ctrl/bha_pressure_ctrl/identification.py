@@ -104,6 +104,7 @@ class Identification:
         self._settled_for = 0
         self.elapsed = 0.0
         self.collected = 0
+        self._motion: list[tuple[Array, Array, Array]] = []
         self._rows: list[tuple[Array, Array, Array, float, bool]] = []
         self._smoothed: Array | None = None
         self._smoothing = -float(np.expm1(-period / _NOISE_TIME))
@@ -136,6 +137,17 @@ class Identification:
             np.array(settled, dtype=np.bool_),
         )
 
+    def motion(self) -> tuple[Array, Array, Array]:
+        """Every period on the way to all postures, for n of them.
+
+        Returns
+        -------
+        Lengths [m], shape (n, 9), pressures told in answer [Pa], (n, 9), and states of the bellows'
+        memory [m], (n, STATES, 9).
+        """
+        lengths, pressures, states = (np.array(each) for each in zip(*self._motion, strict=True))
+        return lengths, pressures, states
+
     @property
     def steps(self) -> PressureSteps | None:
         """The steps at the end; None before they begin."""
@@ -159,6 +171,7 @@ class Identification:
         target = self._targets[self.collected]
         step = self._settings.pressure_rate * self._period
         self._output = self._output + np.clip(target - self._output, -step, step)
+        self._motion.append((lengths, self._output, states))
         if not np.array_equal(self._output, target):
             self._wait_anew()
             return self._output

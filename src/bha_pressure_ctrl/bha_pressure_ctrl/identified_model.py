@@ -12,6 +12,7 @@ from bha_pressure_ctrl.bellows_dynamics import BellowsDynamics
 from bha_pressure_ctrl.bellows_memory import BellowsMemory, fit_memory
 from bha_pressure_ctrl.equilibrium_model import EquilibriumModel
 from bha_pressure_ctrl.identification import Identification
+from bha_pressure_ctrl.inertia import fit_inertia
 from bha_pressure_ctrl.model_fitting import ModelSettings, check_samples, fit_equilibrium_model
 from bha_pressure_ctrl.pressure_steps import PressureSteps
 from bha_pressure_ctrl.step_response import fit_step_response
@@ -53,6 +54,11 @@ def fit_identified_model(
     dynamics = BellowsDynamics(memory)
     if identification.steps is not None:
         dynamics = _with_lags(model, dynamics, identification.steps, period)
+    if dynamics.fill_lag > 0.0:
+        motion, asked, states = identification.motion()
+        held = model.pressures(motion) + (memory * states).sum(axis=1)
+        inertia = fit_inertia(motion, asked, held, dynamics, period)
+        dynamics = replace(dynamics, inertia=inertia)
     return replace(model, dynamics=dynamics)
 
 
@@ -72,6 +78,10 @@ def _with_lags(
     up, down = (fit_step_response(before[k::2], after[k::2], period) for k in (0, 1))
     if up is None or down is None:
         return dynamics
-    return BellowsDynamics(
-        dynamics.memory, 0.5 * (up[0] + down[0]), up[1], down[1], response_lag=0.0
+    return replace(
+        dynamics,
+        dead_time=0.5 * (up[0] + down[0]),
+        fill_lag=up[1],
+        vent_lag=down[1],
+        response_lag=0.0,
     )

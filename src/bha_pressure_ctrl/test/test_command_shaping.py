@@ -42,11 +42,24 @@ def test_without_lags_a_command_is_there_at_once() -> None:
     np.testing.assert_array_equal(lengths, 0.22)
 
 
-def test_a_step_becomes_a_ramp_that_ends() -> None:
+def test_a_step_becomes_a_rounded_ramp_that_ends() -> None:
+    """Of 14 and then 6 periods; lengths and pressures go the same way."""
     pressures, lengths = step(40, ShapingSettings(0.4, 0.0))
-    ramp = np.minimum(np.arange(1, 41) / 20.0, 1.0)
-    np.testing.assert_allclose(pressures, 4e4 + 2e4 * ramp, rtol=1e-12)
-    np.testing.assert_allclose(lengths, 0.2 + 0.02 * ramp, rtol=1e-12)
+    ramp = (pressures - 4e4) / 2e4
+    np.testing.assert_allclose((lengths - 0.2) / 0.02, ramp, atol=1e-12)
+    np.testing.assert_allclose(ramp[18:], 1.0, rtol=1e-12)
+    assert ramp[17] < 1.0
+    assert (np.diff(ramp) > -1e-12).all()
+    assert np.diff(ramp).max() == pytest.approx(1.0 / 14.0)
+
+
+def test_what_the_inertia_costs_is_paid_while_it_is_accelerated() -> None:
+    inertia = 1e4 * np.eye(9)
+    heavy, lengths = step(40, ShapingSettings(0.4, 0.0), inertia=inertia)
+    light, _ = step(40, ShapingSettings(0.4, 0.0))
+    accelerated = np.diff(np.concatenate([[0.2, 0.2], lengths]), n=2) / PERIOD**2
+    np.testing.assert_allclose(heavy - light, 1e4 * accelerated, atol=1e-3)
+    assert np.abs(heavy - light).max() > 1e3
 
 
 @pytest.mark.parametrize(("fill", "vent"), [(0.1, 0.1), (0.3, 0.2), (0.2, 0.6)])

@@ -23,7 +23,9 @@ def model(constrained: bool = True, bend: float = 0.05) -> EquilibriumModel:
     hidden = draw_hidden_layer(5, 9, 0.5, rng)
     direct = 0.15 * np.eye(9) + 0.01 * rng.standard_normal((9, 9))
     elm = Elm(*hidden, bend * rng.standard_normal((9, 5)), direct, np.full(9, 0.5))
-    dynamics = BellowsDynamics(rng.uniform(0.0, 1e5, (STATES, 9)), 0.05, 0.2, 0.3, 0.1)
+    dynamics = BellowsDynamics(
+        rng.uniform(0.0, 1e5, (STATES, 9)), 1e4 * np.eye(9), 0.05, 0.2, 0.3, 0.1
+    )
     return EquilibriumModel(np.full(9, 0.23), 0.03, elm, 1.3e5, constrained, 4e3, 60, dynamics)
 
 
@@ -114,7 +116,9 @@ class TestFiles:
             assert getattr(loaded.elm, name).tobytes() == getattr(saved.elm, name).tobytes()
         assert (loaded.pressure_error, loaded.samples) == (saved.pressure_error, saved.samples)
         assert loaded.constrained
-        assert loaded.dynamics.memory.tobytes() == saved.dynamics.memory.tobytes()
+        for name in ("memory", "inertia"):
+            one, other = getattr(loaded.dynamics, name), getattr(saved.dynamics, name)
+            assert one.tobytes() == other.tobytes()
         for name in TIMES:
             assert getattr(loaded.dynamics, name) == getattr(saved.dynamics, name) > 0.0
         np.testing.assert_array_equal(loaded.pressures(LENGTHS), saved.pressures(LENGTHS))

@@ -102,7 +102,7 @@ class TestFit:
             fit_equilibrium_model(lengths, pressures, ModelSettings(single=share))
             for share in (0.9, 0.0)
         )
-        assert alone.pressure_error < 0.5 * all_at_once.pressure_error
+        assert alone.pressure_error < 0.7 * all_at_once.pressure_error
 
     def test_a_drift_of_the_robot_is_taken_out(self) -> None:
         """The model is that of the last sample, not of the mean one."""
