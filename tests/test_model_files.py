@@ -70,7 +70,7 @@ FAULTS: dict[str, tuple[Callable[[Path, Path, str], None], str]] = {
     "cut": (_cut, "not a whole model file"),
     "empty": (_empty, "not a whole model file"),
     "altered": (_altered, "checksum|not a whole model file"),
-    "other version": (_other_version, "version is 99, but [12] is needed"),
+    "other version": (_other_version, "version is 99, but [123] is needed"),
     "other kind": (_other_kind, "kind is"),
     "other robot": (_other_robot, "belongs to robot 'bha_sim_7', but this robot is 'bha_sim_0'"),
     "missing": (_missing, "there is no such file"),

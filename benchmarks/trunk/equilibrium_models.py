@@ -19,7 +19,7 @@ FREE, CONSTRAINED = "the same, unconstrained", "constrained ELM"
 MODELS = {
     LINEAR: ModelSettings(neurons=0, constrained=False, trend=False),
     # As it is mostly used: weights of +-1 on inputs of unit size, and no direct links.
-    USUAL: ModelSettings(constrained=False, direct_ridge=1e6, spread=1.73, trend=False),
+    USUAL: ModelSettings(constrained=False, direct_ridge=1e6, spread=1.73, single=0.0, trend=False),
     FREE: ModelSettings(constrained=False),
     CONSTRAINED: ModelSettings(),
 }

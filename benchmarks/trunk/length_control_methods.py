@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bha_common import bellows
+from bha_pressure_ctrl.bellows_dynamics import BellowsDynamics
 from bha_pressure_ctrl.command_shaping import ShapingSettings
 from bha_pressure_ctrl.equilibrium_model import EquilibriumModel
 from bha_pressure_ctrl.length_controller import LengthController, LengthControllerSettings
@@ -73,7 +74,8 @@ def controller(method: str, model: EquilibriumModel, gain: float = 1.0) -> Contr
         gain = 0.0
     if method == AS_BEFORE:
         settings = replace(settings, proportional_gain=3e5, integral_gain=8e5)
-        shaping = ShapingSettings(0.0, 0.0, 0.0, 1.0, 0.0, 0.0)
+        shaping = ShapingSettings(0.0, 0.0)
+        model = replace(model, dynamics=BellowsDynamics(response_lag=0.0))
     settings = replace(
         settings,
         proportional_gain=gain * settings.proportional_gain,

@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 
 from benchmarks.trunk.length_control_methods import PERIOD, Controller
 from bha_common import bellows
+from bha_pressure_ctrl.equilibrium_model import EquilibriumModel
 from bha_pressure_ctrl.identification import Identification, IdentificationSettings
+from bha_pressure_ctrl.identified_model import fit_identified_model
 from bha_sim.plant import Plant
 from bha_sim.robot_parameters import draw_robot, load_parameters
 
@@ -42,8 +44,22 @@ def settled_samples(
     -------
     Lengths [m] and pressures [Pa], both of shape (count, 9), and the robot time it took [s].
     """
+    running = _identification(plant, IdentificationSettings(steps=0), count, seed, top)
+    return *running.samples(), running.elapsed
+
+
+def identified(plant: Plant, count: int, seed: int) -> tuple[EquilibriumModel, Array]:
+    """Identify a robot as the controller does; return its model and the settled lengths [m]."""
+    running = _identification(plant, IdentificationSettings(), count, seed, bellows.MAX_PRESSURE)
+    model = fit_identified_model(running, period=PERIOD, seed=seed)
+    return model, running.samples()[0]
+
+
+def _identification(
+    plant: Plant, settings: IdentificationSettings, count: int, seed: int, top: float
+) -> Identification:
     running = Identification(
-        IdentificationSettings(),
+        settings,
         max_pressure=top,
         start=plant.state.pressures,
         period=PERIOD,
@@ -52,7 +68,7 @@ def settled_samples(
     )
     while not running.done:
         plant.step(running.update(plant.state.lengths))
-    return *running.samples(), running.elapsed
+    return running
 
 
 def reachable(plant: Plant, count: int, rng: np.random.Generator) -> list[Array]:
@@ -116,6 +132,18 @@ def tracking(plant: Plant, controller: Controller, targets: list[Array]) -> floa
             offset += 0.02 * (state.lengths - state.true_lengths - offset)
             squares.append((state.true_lengths + offset - command) ** 2)
     return 1e3 * float(np.sqrt(np.mean(squares[250:])))
+
+
+def resting(plant: Plant, controller: Controller, targets: list[Array]) -> float:
+    """Return how far the tip moves about its mean once lengths are held [mm], root mean square."""
+    squares = []
+    for target in targets:
+        control(plant, controller, target, HOLD + 4.0)
+        tips = []
+        for _ in range(round(10.0 / PERIOD)):
+            tips.append(plant.step(controller.update(target, plant.state.lengths)).tip)
+        squares.append(np.var(tips, axis=0).sum())
+    return 1e3 * float(np.sqrt(np.mean(squares)))
 
 
 def is_stable(plant: Plant, make: Callable[[], Controller], targets: list[Array]) -> bool:

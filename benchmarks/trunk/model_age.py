@@ -6,10 +6,9 @@ import numpy as np
 
 from benchmarks.engine.experiment import Figures
 from benchmarks.trunk.length_control_methods import LEARNED, controller
-from benchmarks.trunk.length_responses import control, new_plant, settled_samples
+from benchmarks.trunk.length_responses import control, identified, new_plant
 from bha_common import bellows
 from bha_pressure_ctrl.length_controller import LengthController
-from bha_pressure_ctrl.model_fitting import fit_equilibrium_model
 
 _STEP = 8.0  # [s] for which a command is held
 _PART = 0.5  # [h] over which errors are averaged
@@ -24,8 +23,7 @@ def age(seed: int, hours: float, samples: int) -> Figures:
     square error of its pressures over each part [kPa], at the lengths of settled postures.
     """
     plant = new_plant(seed)
-    lengths, pressures, _ = settled_samples(plant, samples, seed)
-    model = fit_equilibrium_model(lengths, pressures, seed=seed)
+    model, lengths = identified(plant, samples, seed)
     adapting = controller(LEARNED, model)
     assert isinstance(adapting, LengthController)
     rng = np.random.default_rng([seed, 3])

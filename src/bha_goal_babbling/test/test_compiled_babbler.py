@@ -65,7 +65,7 @@ def outcomes(arm: PlanarArm, babbler: GoalBabbler, samples: int) -> FloatArray:
 def test_the_loop_is_the_reference(
     joints: int, config: GoalBabblerConfig, directions: bool
 ) -> None:
-    """Thousands of samples agree to 1e-12 of the arm's length, in the same movements.
+    """Thousands of samples agree to 1e-11 of the arm's length, in the same movements.
 
     Rounding grows faster along directions, which hit the limits, and where short steps are
     dropped: so fewer of them.
@@ -73,7 +73,7 @@ def test_the_loop_is_the_reference(
     samples = 500 if config is SCALED else 1000 if directions else 3000
     arm, reference, ours = twins(joints, config, directions=directions)
     expected = outcomes(arm, reference, samples)
-    np.testing.assert_allclose(ours.run(samples), expected, rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(ours.run(samples), expected, rtol=0.0, atol=1e-11)
     assert (ours.samples, ours.movements) == (reference.samples, reference.movements)
     assert ours.local_maps == reference.local_maps
     goals = arm.goal_grid()

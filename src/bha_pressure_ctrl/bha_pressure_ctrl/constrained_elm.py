@@ -84,10 +84,17 @@ class Penalties:
 
 
 def draw_hidden_layer(
-    neurons: int, inputs: int, spread: float, rng: np.random.Generator
+    neurons: int, inputs: int, spread: float, rng: np.random.Generator, *, single: float = 0.0
 ) -> tuple[Array, Array]:
-    """Draw A and a for inputs of about unit size; `spread` is that of A x."""
+    """Draw A and a for inputs of about unit size; `spread` is that of A x where all inputs count.
+
+    A share `single` of the neurons look at one input only, in turn.
+    """
     weights = rng.normal(0.0, spread / np.sqrt(inputs), (neurons, inputs))
+    few = np.arange(round(single * neurons))
+    weights[few] = 0.0
+    signs = rng.choice([-1.0, 1.0], len(few))
+    weights[few, few % inputs] = signs * rng.uniform(0.5, 1.0, len(few))
     return weights, rng.uniform(-1.5, 1.5, neurons)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 
 from bha_common import bellows
 from bha_common.files import ModelFileError, load_versioned, save_versioned
+from bha_pressure_ctrl.bellows_dynamics import TIMES, BellowsDynamics
 from bha_pressure_ctrl.constrained_elm import Elm
 from bha_pressure_ctrl.soft_ends import bend, bend_slopes
 
 Array = NDArray[np.float64]
 
-_KIND, _VERSION = "equilibrium model", 2
+_KIND, _VERSION = "equilibrium model", 3
 _SCALARS = ("length_scale", "max_pressure", "constrained", "pressure_error", "samples")
 _ELM = ("input_weights", "biases", "output_weights", "direct", "offset")
 
@@ -44,6 +45,7 @@ class EquilibriumModel:
         a length can be meant.
     pressure_error : Root mean square error in cross-validation [Pa].
     samples : Number of settled samples behind the model.
+    dynamics : What holds on the way to an equilibrium.
     """
 
     mean_lengths: Array
@@ -53,6 +55,7 @@ class EquilibriumModel:
     constrained: bool
     pressure_error: float
     samples: int
+    dynamics: BellowsDynamics = field(default_factory=BellowsDynamics)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "mean_lengths", _checked("mean_lengths", self.mean_lengths, (9,)))
@@ -165,8 +168,16 @@ class EquilibriumModel:
             kind=_KIND,
             version=_VERSION,
             robot=robot,
-            arrays={"mean_lengths": self.mean_lengths, **arrays},
-            settings={name: getattr(self, name) for name in _SCALARS},
+            arrays={
+                "mean_lengths": self.mean_lengths,
+                "memory": self.dynamics.memory,
+                "inertia": self.dynamics.inertia,
+                **arrays,
+            },
+            settings={
+                **{name: getattr(self, name) for name in _SCALARS},
+                **{name: getattr(self.dynamics, name) for name in TIMES},
+            },
         )
 
     @classmethod
@@ -176,14 +187,16 @@ class EquilibriumModel:
         Raises
         ------
         ModelFileError
-            When the file cannot be used for this robot. Files of version 1 hold an affine map
-            without constraints: such a robot is to be identified again.
+            When the file cannot be used for this robot. Files of versions 1 and 2 tell nothing of
+            how the lengths come to rest: such a robot is to be identified again.
         """
         stored = load_versioned(path, kind=_KIND, version=_VERSION, robot=robot)
         try:
             fields: dict[str, Any] = {**stored.arrays, **stored.settings}
             elm = Elm(**{name: fields.pop(name) for name in _ELM})
-            return cls(elm=elm, **fields)
+            times = {name: fields.pop(name) for name in TIMES}
+            dynamics = BellowsDynamics(fields.pop("memory"), fields.pop("inertia"), **times)
+            return cls(elm=elm, dynamics=dynamics, **fields)
         except (AttributeError, KeyError, TypeError, ValueError) as error:
             raise ModelFileError(f"{path}: does not hold a whole model: {error}") from error
 

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 class LengthControllerSettings:
     """Gains of the feedback on the lengths."""
 
-    proportional_gain: float = setting(3e5, "Pressure per length error [Pa/m]", low=0.0, high=2e6)
+    proportional_gain: float = setting(4e5, "Pressure per length error [Pa/m]", low=0.0, high=2e6)
     integral_gain: float = setting(
         8e5, "Pressure per integrated length error [Pa/(m s)]", low=0.0, high=5e6
     )
@@ -36,12 +36,12 @@ class LengthController:
 
     ``pressures = feedforward + Kp (expected - lengths) + Ki integral(expected - lengths)``
 
-    clipped to the range of the pressures. The feed-forward is the model's answer to the command,
-    brought on by `CommandShaping`, which also tells the lengths to expect of it. So a new command
-    finds no error, and the integral does not wind up while the feed-forward is at work. It stands
-    for what the model does not know (creep, hysteresis, drift), so it is kept from one command to
-    the next; where a pressure is at an end of its range and the error would push it further, its
-    integral stands still.
+    clipped to the range of the pressures. The feed-forward is the model's answer to the command and
+    to what the bellows remember, brought on by `CommandShaping`, which also tells the lengths to
+    expect of it. So a new command finds no error, and the integral does not wind up while the
+    feed-forward is at work. It stands for what the model does not know (long creep, drift), so it
+    is kept from one command to the next; where a pressure is at an end of its range and the error
+    would push it further, its integral stands still.
 
     Near the command the model slowly takes over what the integral holds: it ages with the robot.
 
@@ -86,7 +86,7 @@ class LengthController:
         """Forget the integral and the command; what the model has taken over stays."""
         self._integral = np.zeros(bellows.COUNT)
         self._command: Array | None = None
-        self._pressures = np.zeros(bellows.COUNT)
+        self._target = np.zeros(2 * bellows.COUNT)
         self._shaping: CommandShaping | None = None
 
     def update(self, command: Array, lengths: Array) -> Array:
@@ -103,19 +103,23 @@ class LengthController:
         """
         if command is not self._command:
             self._command = command
-            self._pressures = self._model.pressures(command)
+            self._target = np.concatenate([command, self._model.pressures(command)])
         if self._shaping is None:
             self._shaping = CommandShaping(
                 self._how,
+                self._model.dynamics,
                 period=self._period,
                 lengths=lengths,
                 pressures=self._model.pressures(lengths),
             )
-        shaped, expected = self._shaping.update(command, self._pressures)
+        known = self._learned + self._integral
+        shaped, expected = self._shaping.update(
+            self._target, lengths, -known, self._max_pressure - known
+        )
         error = expected - lengths
         integral = self._integral + (self._settings.integral_gain * self._period) * error
         wanted = shaped + self._learned + self._settings.proportional_gain * error + integral
-        pressures = np.clip(wanted, 0.0, self._max_pressure)
+        pressures = np.minimum(np.maximum(wanted, 0.0), self._max_pressure)
         # Conditional integration, the anti-windup of Astrom and Hagglund, PID Controllers, 3.5.
         pushes_out = (wanted - pressures) * error > 0.0
         self._integral = np.where(pushes_out, self._integral, integral)

@@ -39,6 +39,9 @@ class ModelSettings:
     spread: float = setting(
         0.4, "Spread of a neuron's input over the samples; more bends more", low=0.01, high=10.0
     )
+    single: float = setting(
+        0.9, "Share of the neurons that look at the length of one bellows only", low=0.0, high=1.0
+    )
     ridge: float = setting(0.2, "Penalty on the weights of the neurons", low=1e-9)
     direct_ridge: float = setting(
         1e-3, "Penalty on the affine part, relative to the variance of a length", low=0.0
@@ -81,10 +84,12 @@ def fit_equilibrium_model(
     """
     settings = settings or ModelSettings()
     count = len(lengths)
-    _check_samples(lengths, pressures)
+    check_samples(lengths, pressures)
     mean, scale = lengths.mean(axis=0), float(lengths.std(axis=0).mean())
     rng = np.random.default_rng(seed)
-    hidden = draw_hidden_layer(settings.neurons, bellows.COUNT, settings.spread, rng)
+    hidden = draw_hidden_layer(
+        settings.neurons, bellows.COUNT, settings.spread, rng, single=settings.single
+    )
     penalties = Penalties(settings.ridge, settings.direct_ridge, 1e-2 if settings.trend else 1e9)
     low, high = ((np.full(9, end) - mean) / scale for end in LENGTHS)
     least = settings.min_slope * scale / max_pressure
@@ -113,7 +118,8 @@ def fit_equilibrium_model(
         raise EquilibriumModelError(f"no model keeps the constraints: {error}") from error
 
 
-def _check_samples(lengths: Array, pressures: Array) -> None:
+def check_samples(lengths: Array, pressures: Array) -> None:
+    """Raise an EquilibriumModelError when samples are too few, not finite, or move too little."""
     count = len(lengths)
     if lengths.shape != (count, bellows.COUNT) or pressures.shape != (count, bellows.COUNT):
         raise EquilibriumModelError("lengths and pressures must both have shape (n, 9)")

@@ -13,8 +13,9 @@ from bha_common.settings import check_settings, setting
 from bha_pressure_ctrl.command_shaping import ShapingSettings
 from bha_pressure_ctrl.equilibrium_model import EquilibriumModel
 from bha_pressure_ctrl.identification import Identification, IdentificationSettings
+from bha_pressure_ctrl.identified_model import fit_identified_model
 from bha_pressure_ctrl.length_controller import LengthController, LengthControllerSettings
-from bha_pressure_ctrl.model_fitting import ModelSettings, fit_equilibrium_model
+from bha_pressure_ctrl.model_fitting import ModelSettings
 
 Array = NDArray[np.float64]
 
@@ -161,9 +162,10 @@ class PressureControl:
         if identification is None:
             raise RuntimeError("no identification is running")
         settings = self._settings
-        model = fit_equilibrium_model(
-            *identification.samples(),
+        model = fit_identified_model(
+            identification,
             settings.model,
+            period=settings.control_period,
             max_pressure=settings.safety.max_pressure,
             seed=settings.seed,
         )

@@ -9,6 +9,8 @@ import pytest
 
 from bha_common import bellows
 from bha_common.files import ModelFileError, load_versioned, save_versioned
+from bha_pressure_ctrl.bellows_dynamics import TIMES, BellowsDynamics
+from bha_pressure_ctrl.bellows_memory import STATES
 from bha_pressure_ctrl.constrained_elm import Elm, draw_hidden_layer
 from bha_pressure_ctrl.equilibrium_model import EquilibriumModel, EquilibriumModelError
 
@@ -21,7 +23,10 @@ def model(constrained: bool = True, bend: float = 0.05) -> EquilibriumModel:
     hidden = draw_hidden_layer(5, 9, 0.5, rng)
     direct = 0.15 * np.eye(9) + 0.01 * rng.standard_normal((9, 9))
     elm = Elm(*hidden, bend * rng.standard_normal((9, 5)), direct, np.full(9, 0.5))
-    return EquilibriumModel(np.full(9, 0.23), 0.03, elm, 1.3e5, constrained, 4e3, 60)
+    dynamics = BellowsDynamics(
+        rng.uniform(0.0, 1e5, (STATES, 9)), 1e4 * np.eye(9), 0.05, 0.2, 0.3, 0.1
+    )
+    return EquilibriumModel(np.full(9, 0.23), 0.03, elm, 1.3e5, constrained, 4e3, 60, dynamics)
 
 
 LENGTHS = 0.23 + 0.05 * np.random.default_rng(1).uniform(-1.0, 1.0, (50, 9))
@@ -111,6 +116,11 @@ class TestFiles:
             assert getattr(loaded.elm, name).tobytes() == getattr(saved.elm, name).tobytes()
         assert (loaded.pressure_error, loaded.samples) == (saved.pressure_error, saved.samples)
         assert loaded.constrained
+        for name in ("memory", "inertia"):
+            one, other = getattr(loaded.dynamics, name), getattr(saved.dynamics, name)
+            assert one.tobytes() == other.tobytes()
+        for name in TIMES:
+            assert getattr(loaded.dynamics, name) == getattr(saved.dynamics, name) > 0.0
         np.testing.assert_array_equal(loaded.pressures(LENGTHS), saved.pressures(LENGTHS))
 
     def test_is_not_for_another_robot(self, tmp_path: Path) -> None:
@@ -141,7 +151,7 @@ class TestFiles:
     @pytest.mark.parametrize("change", ["kind", "version"])
     def test_of_another_kind_or_version(self, tmp_path: Path, change: str) -> None:
         path = tmp_path / "model.npz"
-        header: dict[str, Any] = {"kind": "equilibrium model", "version": 2}
+        header: dict[str, Any] = {"kind": "equilibrium model", "version": 3}
         header[change] = {"kind": "goal babbling checkpoint", "version": 1}[change]
         save_versioned(path, **header, robot="bha", arrays={}, settings={})
         with pytest.raises(ModelFileError, match=f"{change} is"):
@@ -151,13 +161,13 @@ class TestFiles:
         """Any part missing, of a wrong shape, not finite, or one too many."""
         path = tmp_path / "model.npz"
         model().save(path, "bha")
-        whole = load_versioned(path, kind="equilibrium model", version=2, robot="bha")
+        whole = load_versioned(path, kind="equilibrium model", version=3, robot="bha")
 
         def refused(arrays: dict[str, Any], values: dict[str, Any]) -> None:
             save_versioned(
                 path,
                 kind="equilibrium model",
-                version=2,
+                version=3,
                 robot="bha",
                 arrays=arrays,
                 settings=values,
@@ -174,6 +184,9 @@ class TestFiles:
         for name in whole.settings:
             rest = {key: value for key, value in whole.settings.items() if key != name}
             refused(whole.arrays, rest)
+        for name in TIMES:
+            for value in (-0.1, float("nan"), 1e3, "text"):
+                refused(whole.arrays, {**whole.settings, name: value})
         refused({**whole.arrays, "more": np.zeros(1)}, whole.settings)
         falling = {**whole.arrays, "direct": -whole.arrays["direct"]}
         refused(falling, whole.settings)

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from bha_pressure_ctrl.bellows_memory import STATES
 from bha_pressure_ctrl.equilibrium_model import Array
 from bha_pressure_ctrl.identification import Identification, IdentificationSettings
 from bha_pressure_ctrl.model_fitting import fit_equilibrium_model
@@ -33,7 +34,7 @@ def identification(
     samples: int | None = 24, start: Array | None = None, seed: int = 0, **changes: Any
 ) -> Identification:
     return Identification(
-        IdentificationSettings(**changes),
+        IdentificationSettings(**{"steps": 0, **changes}),
         max_pressure=MAX_PRESSURE,
         start=np.zeros(9) if start is None else start,
         period=PERIOD,
@@ -172,6 +173,38 @@ def test_counts_and_ends() -> None:
     assert running.collected == 20
 
 
+def test_steps_follow_when_the_samples_are_collected() -> None:
+    """And change nothing of the samples."""
+    without, running = identification(), identification(steps=4)
+    before, pressures = run(without, Robot()), run(running, Robot())
+    np.testing.assert_array_equal(pressures[: len(before)], before)
+    jumps = np.flatnonzero(np.abs(np.diff(pressures[:, 0])) > 6e4 * PERIOD * 1.01)
+    assert len(jumps) == 4
+    assert jumps[0] > len(before)
+    assert running.steps is not None
+    assert running.steps.done
+    for one, other in zip(running.samples(), without.samples(), strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_what_it_saw_on_the_way_is_kept_with_what_was_remembered() -> None:
+    """A row for every second at rest from the second on, the last of them the settled one."""
+    running = identification(samples=20)
+    run(running, Robot(lag=0.8))
+    records = running.records()
+    assert records.settled.sum() == 20
+    assert len(records.lengths) > 40
+    assert (np.diff(records.times) > 0.0).all()
+    assert records.states.shape == (len(records.lengths), STATES, 9)
+    # The slower the creep, the more of the way since the posture before is still remembered.
+    creep = np.abs(records.states[records.settled][:, :3]).mean(axis=(0, 2))
+    assert (np.diff(creep) > 0.0).all()
+    rows = np.flatnonzero(records.settled)
+    moving = records.lengths[rows[:-1] + 1] - 0.15 - records.pressures[rows[:-1] + 1] / STIFFNESS
+    resting = records.lengths[rows] - 0.15 - records.pressures[rows] / STIFFNESS
+    assert np.abs(resting).mean() < 0.5 * np.abs(moving).mean()
+
+
 def test_takes_the_number_of_the_settings() -> None:
     running = Identification(
         IdentificationSettings(samples=33),
@@ -191,6 +224,7 @@ def test_takes_the_number_of_the_settings() -> None:
         {"rest_speed": 0.0},
         {"rest_window": 0.0},
         {"max_settling": float("inf")},
+        {"steps": -1},
     ],
 )
 def test_settings_out_of_range(wrong: dict[str, Any]) -> None:

@@ -1,5 +1,6 @@
 """Control of the lengths, on a plant whose every number is known."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+from bha_pressure_ctrl.bellows_dynamics import BellowsDynamics
 from bha_pressure_ctrl.command_shaping import ShapingSettings
 from bha_pressure_ctrl.equilibrium_model import Array, EquilibriumModel
 from bha_pressure_ctrl.length_controller import LengthController, LengthControllerSettings
@@ -17,7 +19,10 @@ MAX_PRESSURE = 1.3e5
 MIDDLE = np.full(9, 0.2)
 # Each bellows pushes its neighbour a little.
 SLOPE = 5e5 * (np.eye(9) + 0.15 * np.roll(np.eye(9), 1, axis=0))
-MODEL = EquilibriumModel.affine(MIDDLE, np.full(9, 6e4), SLOPE)
+MODEL = replace(
+    EquilibriumModel.affine(MIDDLE, np.full(9, 6e4), SLOPE),
+    dynamics=BellowsDynamics(response_lag=0.0),
+)
 COMMAND = 0.2 + 0.02 * np.sin(np.arange(9.0))
 
 
@@ -35,11 +40,10 @@ class Plant:
         self.lengths = self.lengths + self._share * (rest - self.lengths)
 
 
-PLAIN = dict.fromkeys(("smoothing_time", "valve_lag", "creep_share", "dead_time"), 0.0)
-AT_ONCE = ShapingSettings(**PLAIN, response_lag=0.0)
+AT_ONCE = ShapingSettings(0.0, response_lag=0.0)
 """Expects every command to be followed at once."""
 
-AS_THE_PLANT = ShapingSettings(**PLAIN, response_lag=0.4)
+AS_THE_PLANT = ShapingSettings(0.0, response_lag=0.4)
 """Expects a plant with a lag of 0.4 s."""
 
 

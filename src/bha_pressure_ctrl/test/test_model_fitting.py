@@ -87,9 +87,22 @@ class TestFit:
         lengths, pulled, _ = robot_samples(120)
         sideways = (lengths - 0.2) @ np.random.default_rng(1).standard_normal((9, 9)) / 3.0
         pressures = pulled + 2e7 * sideways**2
-        fitted = fit_equilibrium_model(lengths, pressures)
+        fitted = fit_equilibrium_model(lengths, pressures, ModelSettings(single=0.0))
         affine = fit_equilibrium_model(lengths, pressures, AFFINE)
         assert fitted.pressure_error < 0.75 * affine.pressure_error
+
+    def test_few_samples_tell_how_each_bellows_hardens(self) -> None:
+        """By neurons that look at it alone; those that look at all cannot tell it apart."""
+        rng = np.random.default_rng(2)
+        lengths = 0.2 + 0.04 * rng.uniform(-1.0, 1.0, (60, 9))
+        x = lengths - 0.2
+        slope = 1e6 * np.eye(9) + 5e4 * rng.standard_normal((9, 9))
+        pressures = 6e4 + x @ slope.T + 6e6 * x**2 + 2e8 * x**3
+        alone, all_at_once = (
+            fit_equilibrium_model(lengths, pressures, ModelSettings(single=share))
+            for share in (0.9, 0.0)
+        )
+        assert alone.pressure_error < 0.7 * all_at_once.pressure_error
 
     def test_a_drift_of_the_robot_is_taken_out(self) -> None:
         """The model is that of the last sample, not of the mean one."""

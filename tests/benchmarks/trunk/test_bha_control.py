@@ -17,7 +17,14 @@ from benchmarks.trunk.length_control_methods import (
     Pid,
     controller,
 )
-from benchmarks.trunk.length_responses import is_stable, steps
+from benchmarks.trunk.length_responses import (
+    PERIOD,
+    identified,
+    is_stable,
+    new_plant,
+    resting,
+    steps,
+)
 from bha_pressure_ctrl.equilibrium_model import EquilibriumModel
 
 SLOPE = 1.2e6 * np.eye(9)
@@ -28,6 +35,7 @@ TARGETS = [np.full(9, 0.22), 0.22 + 0.03 * np.cos(np.arange(9.0)), np.full(9, 0.
 class State:
     def __init__(self, lengths: np.ndarray, noise: np.ndarray) -> None:
         self.true_lengths, self.lengths = lengths, lengths + noise + 0.002
+        self.tip = 5.0 * lengths[:3]
 
 
 class LaggingPlant:
@@ -81,6 +89,28 @@ def test_stability_is_told() -> None:
     assert not is_stable(plant, lambda: Pid(2e7, 5e6), TARGETS)
 
 
+def test_the_motion_at_rest_is_told() -> None:
+    """What noise and gains make of it, not where it is."""
+    moved = [
+        resting(LaggingPlant(), Pid(gain, 0.0), TARGETS)  # type: ignore[arg-type]
+        for gain in (0.0, 4e5, 1.6e6)
+    ]
+    assert moved[0] < 0.1
+    assert moved[2] > 2.0 * moved[1] > 0.2
+
+
+@pytest.mark.parametrize("seed", [0, 7])
+def test_lags_of_the_simulated_robot_are_identified(seed: int) -> None:
+    """From lengths alone, and near those that were drawn for its nine valves."""
+    plant = new_plant(seed)
+    found, known = identified(plant, 30, seed)[0].dynamics, plant.parameters.pneumatics
+    # A command acts in the period after it was told.
+    assert found.dead_time == pytest.approx(known.dead_time + PERIOD, abs=0.02)
+    assert found.fill_lag == pytest.approx(np.mean(known.fill_time_constant), rel=0.15)
+    assert found.vent_lag == pytest.approx(np.mean(known.vent_time_constant), rel=0.15)
+    assert found.response_lag == 0.0
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_every_method_makes_pressures(method: str) -> None:
     pressures = controller(method, MODEL).update(TARGETS[1], TARGETS[0])
@@ -99,7 +129,11 @@ def made(**changes: float) -> list[Run]:
         settled = {LEARNED: 0.8, PID_CAREFUL: 2.0}.get(method, 3.0)
         names = ("all within", "rms within", "overshoot", "mean overshoot", "rms")
         responses[method] = {name: [settled] for name in names}
-        responses[method] |= {"tracking": 1.0, "margin of 2": changes.get("stable", 1.0) > 0.0}
+        responses[method] |= {
+            "tracking": 1.0,
+            "resting": 1.2,
+            "margin of 2": changes.get("stable", 1.0) > 0.0,
+        }
     age = {"hours": [0.5, 3.0], "fitted": [5.0, 9.0], "adapted": [5.0, 5.0], "still rises": True}
     parts = {"models": models, "responses": responses, "age": age}
     return [Run(seed, {"part": part}, parts[part]) for seed in (0, 1) for part in parts]
