@@ -228,8 +228,13 @@ class CompiledGoalBabbler:
 
 def _check_supported(config: GoalBabblerConfig) -> None:
     """Refuse what only `GoalBabbler` can do: this loop is the article's method and no other."""
-    if config.model != LocalLinearMaps.kind or config.monitors_goals:
+    if (
+        config.model != LocalLinearMaps.kind
+        or config.monitors_goals
+        or config.forward_model != "none"
+    ):
         raise InvalidConfigError(
             "the compiled loop knows the gradient method only: use GoalBabbler for model "
-            f"{config.model!r} and for settings that look at the errors of goals"
+            f"{config.model!r}, for settings that look at the errors of goals, and for forward "
+            "models"
         )
