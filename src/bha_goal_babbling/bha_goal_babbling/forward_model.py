@@ -30,7 +30,7 @@ _DEGREE = 3
 _PRIOR = 2.0
 """Standard deviation of every parameter at first, in scaled units: slopes of the trunk are 0.3 to
 2.2, and curvatures alike, since actions are scaled by about their range."""
-_MEMORY = 3000.0
+_MEMORY = 300.0
 """Examples that a feature of size 1 is averaged over in the long run; smaller ones over more."""
 
 
