@@ -56,7 +56,11 @@ class BabblingSession:
         self._periods = math.ceil(duration / settings.command_period - 1e-9)
         self._settling = math.ceil(settings.settling_time / settings.command_period - 1e-9)
         self._elapsed = 0
-        self._command = task.home_action if babbler is None else babbler.ask()
+        if babbler is None:
+            self._command = task.home_action
+        else:
+            babbler.pause()  # it comes to rest at the step it goes on with
+            self._command = babbler.ask()
         self._next_observation = self._settling
         self._follows = False
 

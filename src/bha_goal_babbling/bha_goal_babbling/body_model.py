@@ -93,8 +93,7 @@ class BodyModel:
         """
         scaled, seen = reading / self._action_scale, outcome / self._outcome_scale
         if command is None:
-            self._forward.pause()
-            self._range.pause()
+            self.pause()
         features, expected, unknown = self._forward.expect(scaled - self._offsets.values)
         missed = seen - expected
         self._offsets.learn(
@@ -107,6 +106,11 @@ class BodyModel:
         if command is not None:
             self._range.learn(command / self._action_scale - self._offsets.values, action, seen)
         return action * self._action_scale
+
+    def pause(self) -> None:
+        """Forget what the robot was about: the next example is taken as one at rest."""
+        self._forward.pause()
+        self._range.pause()
 
     def state(self) -> SavedState:
         """Return everything that `restore` needs besides the config."""

@@ -213,6 +213,11 @@ class GoalBabbler:
         if over and learn and not self._movements.going_home:
             self._error.add(math.sqrt(float(miss.dot(miss))))
 
+    def pause(self) -> None:
+        """Take note that the robot has come to rest, or was elsewhere, since the last example."""
+        if self._body is not None:
+            self._body.pause()
+
     def practise(self, action: ArrayLike, outcome: ArrayLike) -> None:
         """Learn an example that came of somebody else's goal, and stay at the present step.
 
