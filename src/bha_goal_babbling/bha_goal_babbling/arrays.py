@@ -67,6 +67,12 @@ def matrix(name: str, value: ArrayLike, columns: int | None = None) -> FloatArra
     return array
 
 
+def matrix_or_empty(name: str, value: ArrayLike, columns: int) -> FloatArray:
+    """Return a copy of `value` as a finite matrix, shape (rows, columns), that may have no row."""
+    array = _floats(name, value)
+    return array if array.shape == (0, columns) else matrix(name, array, columns)
+
+
 def _floats(name: str, value: ArrayLike) -> FloatArray:
     try:
         return np.array(value, dtype=np.float64)

@@ -4,13 +4,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from bha_goal_babbling.arrays import FloatArray, vector
+from bha_goal_babbling.arrays import FloatArray, matrix_or_empty, vector
 from bha_goal_babbling.direction_sampling import DirectionTargets
 from bha_goal_babbling.errors import InvalidConfigError
 from bha_goal_babbling.goal_paths import GoalPaths
 from bha_goal_babbling.monitored_paths import MonitoredGoalPaths
 from bha_goal_babbling.saved_state import SavedState
-from bha_goal_babbling.straight_walk import matrix_or_empty, straight_line
+from bha_goal_babbling.straight_walk import straight_line
 from bha_goal_babbling.target_source import TargetSource
 
 _RESTORE: dict[str, Callable[[SavedState], TargetSource]] = {
@@ -134,7 +134,9 @@ class Movements:
         self._previous = vector(
             "previous_target", state.arrays["previous_target"], self._home_outcome.size
         )
-        self._home_path = matrix_or_empty(state.arrays["home_path"], self._home_action.size)
+        self._home_path = matrix_or_empty(
+            "home_path", state.arrays["home_path"], self._home_action.size
+        )
         self._over = bool(state.settings["over"])
         self.going_home = bool(state.settings["going_home"])
         self.count = int(state.settings["count"])

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from bha_goal_babbling.arrays import FloatArray, matrix
+from bha_goal_babbling.arrays import FloatArray, matrix_or_empty
 from bha_goal_babbling.errors import InvalidConfigError
 from bha_goal_babbling.saved_state import SavedState
 
@@ -85,15 +85,8 @@ class StraightWalk:
     def restored_from(cls, state: SavedState, size: int) -> "StraightWalk":
         """Return the walk that `saved_in` has put into a snapshot."""
         walk = cls(size, int(state.settings["steps"]))
-        walk._path = matrix_or_empty(state.arrays["path"], size)
+        walk._path = matrix_or_empty("path", state.arrays["path"], size)
         walk._next = int(state.settings["next"])
         if not 0 <= walk._next <= len(walk._path):
             raise InvalidConfigError(f"path has {len(walk._path)} steps, next is {walk._next}")
         return walk
-
-
-def matrix_or_empty(path: FloatArray, columns: int) -> FloatArray:
-    """Return a copy of a path, shape (L, columns), that may have no step at all."""
-    if path.shape == (0, columns):
-        return path.copy()
-    return matrix("path", path, columns)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bha_goal_babbling.arrays import matrix, vector
+from bha_goal_babbling.arrays import matrix, matrix_or_empty, vector
 from bha_goal_babbling.errors import InvalidArrayError
 
 
@@ -38,3 +38,15 @@ def test_refuses_what_is_no_matrix_of_two_columns(value: object) -> None:
     """Rows may be many but not none."""
     with pytest.raises(InvalidArrayError, match="grid"):
         matrix("grid", value, 2)  # type: ignore[arg-type]
+
+
+def test_a_matrix_may_be_allowed_to_be_empty() -> None:
+    """But must have its columns all the same, and be finite."""
+    given = np.ones((2, 3))
+    got = matrix_or_empty("path", given, 3)
+    got[:] = 9.0
+    assert (given == 1.0).all()
+    assert matrix_or_empty("path", np.empty((0, 3)), 3).shape == (0, 3)
+    for bad in (np.empty((0, 2)), np.ones((2, 2)), np.zeros(3), np.full((1, 3), np.nan)):
+        with pytest.raises(InvalidArrayError, match="path"):
+            matrix_or_empty("path", bad, 3)
