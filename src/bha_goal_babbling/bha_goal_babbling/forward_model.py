@@ -16,13 +16,14 @@ It is exact only on the thin sheet of actions that was explored, which is where 
 the forward models of Jamone and others that the article names beside goal babbling (section 3).
 """
 
+import math
 from itertools import combinations_with_replacement
 from typing import Any
 
 import numba
 import numpy as np
 
-from bha_goal_babbling.arrays import FloatArray
+from bha_goal_babbling.arrays import FloatArray, matrix, matrix_or_empty, vector
 from bha_goal_babbling.errors import InvalidConfigError
 from bha_goal_babbling.saved_state import SavedState
 
@@ -126,8 +127,8 @@ class ForwardModel:
         """Return everything that `restore` needs."""
         arrays = {
             "home": self._home,
-            "parameters": self._parameters,
-            "covariance": self._covariance,
+            "parameters": self._parameters.copy(),
+            "covariance": self._covariance.copy(),
             "history": self._history,
         }
         return SavedState(arrays, {"variance": self._variance})
@@ -138,31 +139,26 @@ class ForwardModel:
 
         Raises
         ------
-        InvalidConfigError
-            If the arrays do not fit together.
+        InvalidConfigError, InvalidArrayError
+            If an array or a number does not fit in.
         """
-        arrays: dict[str, Any] = {
-            name: np.array(state.arrays[name], dtype=np.float64)
-            for name in ("home", "parameters", "covariance", "history")
-        }
-        home, parameters = arrays["home"], arrays["parameters"]
-        if home.ndim != 1 or parameters.ndim != 2:
-            raise InvalidConfigError("a forward model needs a home, and a row a feature")
-        model = cls(home, parameters[0], float(state.settings["variance"]) ** 0.5)
-        model._variance = float(state.settings["variance"])
+        variance = float(state.settings["variance"])
+        if not 0.0 < variance < math.inf:
+            raise InvalidConfigError(f"the variance of outcomes must be above 0, got {variance}")
+        home = vector("home", state.arrays["home"])
+        parameters = matrix("parameters", state.arrays["parameters"])
+        covariance = matrix("covariance", state.arrays["covariance"])
+        history = matrix_or_empty("history", state.arrays["history"], home.size)
+        model = cls(home, parameters[0], 1.0)
         rows = len(model._parameters)
-        if (
-            len(parameters) != rows
-            or arrays["covariance"].shape != (rows, rows)
-            or arrays["history"].shape[1:] != home.shape
-            or len(arrays["history"]) > 2
-        ):
+        if len(parameters) != rows or covariance.shape != (rows, rows) or len(history) > 2:
             raise InvalidConfigError(
-                f"a forward model of {home.size} actions has {rows} features, got parameters "
-                f"{parameters.shape} and a covariance {arrays['covariance'].shape}"
+                f"a forward model of {home.size} actions has {rows} features and at most 2 former "
+                f"actions, got parameters {parameters.shape}, a covariance {covariance.shape} and "
+                f"{len(history)} actions"
             )
-        model._parameters, model._covariance = parameters, arrays["covariance"]
-        model._history = arrays["history"]
+        model._variance = variance
+        model._parameters, model._covariance, model._history = parameters, covariance, history
         return model
 
 

@@ -14,7 +14,8 @@ after the command was held within the ends.
 
 import numpy as np
 
-from bha_goal_babbling.arrays import FloatArray, matrix
+from bha_goal_babbling.arrays import FloatArray, matrix, matrix_or_empty, vector
+from bha_goal_babbling.errors import InvalidConfigError
 from bha_goal_babbling.saved_state import SavedState
 
 _WINDOW = 4
@@ -36,9 +37,8 @@ class ReachableRange:
     low, high : array
         Ends as long as nothing got stuck, shape (m,).
     margin : float
-        How far a reading must lie outside of what was commanded, while it keeps
-        still, to be stuck, in the unit of
-        actions.
+        How far a reading must lie outside of what was commanded, while it keeps still, to be
+        stuck, in the unit of actions.
     """
 
     def __init__(
@@ -84,8 +84,8 @@ class ReachableRange:
         """Return everything that `restore` needs."""
         arrays = {
             "home": self._home,
-            "low": self._ends[0],
-            "high": self._ends[1],
+            "low": self._ends[0].copy(),
+            "high": self._ends[1].copy(),
             "commands": self._commands,
             "action": self._action,
         }
@@ -93,13 +93,25 @@ class ReachableRange:
 
     @classmethod
     def restore(cls, state: SavedState) -> "ReachableRange":
-        """Return the range whose snapshot this is; it continues bit for bit."""
-        home = np.array(state.arrays["home"], dtype=np.float64)
+        """Return the range whose snapshot this is; it continues bit for bit.
+
+        Raises
+        ------
+        InvalidConfigError, InvalidArrayError
+            If the arrays do not fit together.
+        """
+        home = vector("home", state.arrays["home"])
         low, high = (matrix(k, state.arrays[k], home.size + 1) for k in ("low", "high"))
+        commands = matrix_or_empty("commands", state.arrays["commands"], len(low))
+        action = np.array(state.arrays["action"], dtype=np.float64)  # NaN after a pause
+        if high.shape != low.shape or len(commands) > _WINDOW or action.shape != (len(low),):
+            raise InvalidConfigError(
+                f"ends of shapes {low.shape} and {high.shape} do not go with {len(commands)} "
+                f"commands and an action of shape {action.shape}"
+            )
         ends = cls(home, low[:, -1], high[:, -1], float(state.settings["margin"]))
         ends._ends = np.stack([low, high])
-        ends._commands = np.array(state.arrays["commands"], dtype=np.float64)
-        ends._action = np.array(state.arrays["action"], dtype=np.float64)
+        ends._commands, ends._action = commands, action
         return ends
 
     def _place(self, outcome: FloatArray) -> FloatArray:

@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from bha_goal_babbling.arrays import FloatArray, vector
+from bha_goal_babbling.arrays import FloatArray, matrix, vector
 from bha_goal_babbling.errors import InvalidConfigError
 from bha_goal_babbling.saved_state import SavedState
 
@@ -79,11 +79,11 @@ class SensorOffsets:
 
         Raises
         ------
-        InvalidConfigError
+        InvalidConfigError, InvalidArrayError
             If the arrays do not fit together.
         """
         values = vector("values", state.arrays["values"])
-        covariance = np.array(state.arrays["covariance"], dtype=np.float64)
+        covariance = matrix("covariance", state.arrays["covariance"], values.size)
         if covariance.shape != (values.size, values.size):
             raise InvalidConfigError(
                 f"{values.size} offsets have a covariance of shape {covariance.shape}"
