@@ -12,6 +12,7 @@ import numpy as np
 
 from bha_goal_babbling.arrays import FloatArray
 from bha_goal_babbling.babbler_config import GoalBabblerConfig
+from bha_goal_babbling.errors import InvalidConfigError
 from bha_goal_babbling.forward_model import ForwardModel
 from bha_goal_babbling.reachable_range import ReachableRange
 from bha_goal_babbling.refinement import refined
@@ -113,24 +114,27 @@ class BodyModel:
         self._range.pause()
 
     def state(self) -> SavedState:
-        """Return everything that `restore` needs besides the config."""
+        """Return everything that `load` needs besides the config."""
         return SavedState().joined(
             forward=self._forward.state(),
             offsets=self._offsets.state(),
             range=self._range.state(),
         )
 
-    @classmethod
-    def restore(cls, config: GoalBabblerConfig, state: SavedState) -> "BodyModel":
-        """Return the model whose snapshot this is; it continues bit for bit.
+    def load(self, state: SavedState) -> None:
+        """Take over a snapshot of a model of the same sizes; it continues bit for bit.
 
         Raises
         ------
-        InvalidConfigError
-            If something in the snapshot does not fit together.
+        InvalidConfigError, InvalidArrayError
+            If something in the snapshot does not fit.
         """
-        body = cls(config, np.zeros(1), np.zeros(1), np.zeros(1), np.zeros(1))
-        body._forward = ForwardModel.restore(state.part("forward"))
-        body._offsets = SensorOffsets.restore(state.part("offsets"))
-        body._range = ReachableRange.restore(state.part("range"))
-        return body
+        own = self.state().arrays
+        for name in ("forward_home", "forward_parameters", "offsets_values", "range_low"):
+            if state.arrays[name].shape != own[name].shape:
+                raise InvalidConfigError(
+                    f"{name} has shape {state.arrays[name].shape}, expected {own[name].shape}"
+                )
+        self._forward = ForwardModel.restore(state.part("forward"))
+        self._offsets = SensorOffsets.restore(state.part("offsets"))
+        self._range = ReachableRange.restore(state.part("range"))

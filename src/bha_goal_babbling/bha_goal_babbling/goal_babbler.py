@@ -316,7 +316,7 @@ class GoalBabbler:
         babbler._noise.load(state.part("noise"))
         babbler._error.load(state.part("error"))
         if babbler._body is not None:
-            babbler._body = BodyModel.restore(config, state.part("body"))
+            babbler._body.load(state.part("body"))
         babbler._action = vector("last_action", arrays["last_action"], m)
         babbler._outcome = vector("last_outcome", arrays["last_outcome"], n)
         if len(arrays["pending"]):

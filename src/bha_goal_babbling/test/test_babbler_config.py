@@ -52,6 +52,11 @@ def test_is_frozen() -> None:
         ("covariance_limit", 0.0),
         ("process_noise", -0.1),
         ("blend_samples", -1.0),
+        ("forward_model", None),
+        ("forward_model", "linear"),
+        ("outcome_noise", 0.0),
+        ("offset_spread", -1e-3),
+        ("offset_samples", 0.0),
     ],
 )
 def test_refuses_values_out_of_range(name: str, value: Any) -> None:

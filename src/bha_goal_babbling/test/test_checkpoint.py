@@ -13,6 +13,7 @@ from bha_goal_babbling.goal_babbler import GoalBabbler
 from bha_goal_babbling.planar_arm import PlanarArm
 
 ARM = PlanarArm(4)
+BODY = {"forward_model": "polynomial", "offset_spread": 0.03}
 
 
 def babbler(directions: bool = False, **settings: object) -> GoalBabbler:
@@ -92,6 +93,21 @@ def test_recursive_maps_continue(tmp_path: Path, samples: int, asked: bool) -> N
     np.testing.assert_array_equal(twin.inverse(goals), learner.inverse(goals))
 
 
+@pytest.mark.parametrize("samples", [0, 3, 200])
+@pytest.mark.parametrize("asked", [False, True])
+def test_body_models_continue(tmp_path: Path, samples: int, asked: bool) -> None:
+    """Forward model, offsets and ends of ranges too, with what they remember of the way."""
+    learner = babbler(**BODY)
+    run(learner, samples)
+    if asked:
+        learner.ask()
+    save_checkpoint(tmp_path / "a.npz", Checkpoint(learner), robot="arm")
+    twin = load_checkpoint(tmp_path / "a.npz", robot="arm").babbler
+    np.testing.assert_array_equal(run(twin, 200), run(learner, 200))
+    goals = ARM.goal_grid()
+    np.testing.assert_array_equal(twin.inverse(goals), learner.inverse(goals))
+
+
 def test_checkpoints_from_before_newer_settings_still_load(tmp_path: Path) -> None:
     """What a file does not say is as it was then: the defaults."""
     learner = babbler()
@@ -110,6 +126,7 @@ def test_checkpoints_from_before_newer_settings_still_load(tmp_path: Path) -> No
         settings=settings,
     )
     twin = load_checkpoint(tmp_path / "b.npz", robot="arm").babbler
+    assert twin.config.forward_model == "none"
     np.testing.assert_array_equal(run(twin, 100), run(learner, 100))
 
 
@@ -160,9 +177,12 @@ def test_refuses_missing_files(tmp_path: Path) -> None:
         load_checkpoint(tmp_path / "nowhere.npz", robot="arm")
 
 
-def test_refuses_files_that_hold_no_whole_learner(tmp_path: Path) -> None:
+@pytest.mark.parametrize("more", [{}, BODY], ids=["plain", "body"])
+def test_refuses_files_that_hold_no_whole_learner(
+    tmp_path: Path, more: dict[str, object]
+) -> None:
     """A well-formed file from which any one part is missing, or is of a wrong shape."""
-    learner = babbler()
+    learner = babbler(**more)
     run(learner, 30)
     save_checkpoint(tmp_path / "a.npz", Checkpoint(learner, "arm", 3.5), robot="arm")
     whole = load_versioned(tmp_path / "a.npz", kind=KIND, version=VERSION, robot="arm")

@@ -1,0 +1,193 @@
+"""What a learner knows of its body, in the units of the robot: units, corrections, snapshots."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from bha_goal_babbling.arrays import FloatArray
+from bha_goal_babbling.babbler_config import GoalBabblerConfig
+from bha_goal_babbling.body_model import BodyModel
+from bha_goal_babbling.errors import GoalBabblingError
+from bha_goal_babbling.planar_arm import PlanarArm
+from bha_goal_babbling.saved_state import SavedState
+
+ARM = PlanarArm(5)
+HOME, TIP = ARM.home(), ARM.forward(ARM.home())
+CONFIG = GoalBabblerConfig(
+    forward_model="polynomial",
+    action_scale=1.5,
+    outcome_scale=0.5,
+    outcome_noise=0.003,
+    offset_spread=0.05,
+    offset_samples=2000.0,
+)
+NO_OFFSETS = dataclasses.replace(CONFIG, offset_spread=0.0)
+
+
+def body(config: GoalBabblerConfig = CONFIG, joints: int = 5) -> BodyModel:
+    home = PlanarArm(joints).home()
+    limits = np.full(joints, 3.0)
+    return BodyModel(config, home, PlanarArm(joints).forward(home), -limits, limits)
+
+
+def examples(samples: int, seed: int) -> FloatArray:
+    """Return angles around home, shape (samples, 5)."""
+    return HOME + np.random.default_rng(seed).uniform(-0.4, 0.4, (samples, 5))
+
+
+def taught(config: GoalBabblerConfig, samples: int = 800) -> BodyModel:
+    """Return a model that was shown single postures, without offsets."""
+    model = body(config)
+    for angles in examples(samples, 0):
+        model.learn(angles, ARM.forward(angles))
+    return model
+
+
+def test_knows_nothing_at_first() -> None:
+    """Answers stay as they are, readings too."""
+    model = body()
+    np.testing.assert_allclose(model.predict(HOME + 1.0), TIP, rtol=1e-15)
+    np.testing.assert_allclose(model.refine(HOME + 0.3, TIP + 0.1), HOME + 0.3, rtol=1e-14)
+    np.testing.assert_array_equal(model.offsets, np.zeros(5))
+
+
+def test_refines_to_the_goal() -> None:
+    """What an inverse model misses by centimetres is met to a millimetre or two."""
+    model, rng = taught(NO_OFFSETS), np.random.default_rng(1)
+    before, after = [], []
+    for angles in examples(40, 2):
+        goal = ARM.forward(angles)
+        said = angles + 0.05 * rng.standard_normal(5)
+        before.append(np.linalg.norm(ARM.forward(said) - goal))
+        answer = model.refine(said, goal)
+        after.append(np.linalg.norm(ARM.forward(answer) - goal))
+        np.testing.assert_allclose(model.predict(answer), goal, atol=1e-3)
+    assert np.mean(before) > 0.02
+    assert np.mean(after) < 0.002
+
+
+def test_moves_an_answer_by_its_reach_at_most() -> None:
+    """0.4 of the scale of actions."""
+    model = taught(NO_OFFSETS)
+    away = model.refine(HOME, TIP + [-0.4, 0.4]) - HOME
+    assert np.linalg.norm(away) == pytest.approx(0.4 * CONFIG.action_scale)
+
+
+@pytest.mark.parametrize(("action_unit", "outcome_unit"), [(1024.0, 1.0), (1.0, 0.125), (0.25, 8)])
+def test_units_do_not_matter_when_the_scales_follow(
+    action_unit: float, outcome_unit: float
+) -> None:
+    """To the last bit, as powers of two round nothing."""
+    other = BodyModel(
+        dataclasses.replace(
+            CONFIG,
+            action_scale=CONFIG.action_scale * action_unit,
+            offset_spread=CONFIG.offset_spread * action_unit,
+            outcome_scale=CONFIG.outcome_scale * outcome_unit,
+            outcome_noise=CONFIG.outcome_noise * outcome_unit,
+        ),
+        HOME * action_unit,
+        TIP * outcome_unit,
+        np.full(5, -3.0 * action_unit),
+        np.full(5, 3.0 * action_unit),
+    )
+    model = body()
+    for t, angles in enumerate(examples(200, 3)):
+        tip, asked = ARM.forward(angles - 0.04), HOME + 1.0
+        command = None if t % 50 == 49 else asked
+        action = model.learn(angles, tip, command)
+        same = other.learn(
+            angles * action_unit,
+            tip * outcome_unit,
+            None if command is None else command * action_unit,
+        )
+        np.testing.assert_array_equal(action * action_unit, same)
+    np.testing.assert_array_equal(model.offsets * action_unit, other.offsets)
+    assert np.abs(model.offsets).max() > 0.0
+    for angles in examples(10, 4):
+        tip = ARM.forward(angles)
+        np.testing.assert_array_equal(
+            model.predict(angles) * outcome_unit, other.predict(angles * action_unit)
+        )
+        np.testing.assert_array_equal(
+            model.refine(angles + 0.1, tip) * action_unit,
+            other.refine((angles + 0.1) * action_unit, tip * outcome_unit),
+        )
+
+
+def test_readings_are_corrected() -> None:
+    """Sensors that slip are found out; what comes back is where the robot really was."""
+    model, slipped = taught(CONFIG), np.array([0.06, -0.04, 0.05, -0.06, 0.03])
+    misses = []
+    for angles in examples(300, 5):
+        action = model.learn(angles + slipped, ARM.forward(angles))
+        np.testing.assert_allclose(action, angles + slipped - model.offsets, rtol=1e-14)
+        misses.append(np.abs(action - angles).max())
+    assert misses[0] > 0.03
+    assert np.mean(misses[-50:]) < 0.015
+
+
+def test_ends_are_those_of_actions_not_of_readings() -> None:
+    """A joint that ends at 0.1 rad beyond home: answers keep to it, and others make up for it."""
+    model, end = body(NO_OFFSETS), HOME[0] + 0.1
+    for command in examples(600, 6) + [0.3, 0.0, 0.0, 0.0, 0.0]:
+        angles = command.copy()
+        angles[0] = min(angles[0], end)
+        for _ in range(6):
+            model.learn(angles, ARM.forward(angles), command)
+    goal = ARM.forward(HOME + [0.1, 0.2, 0.0, 0.0, 0.0])
+    answer = model.refine(HOME + [0.3, 0.0, 0.0, 0.0, 0.0], goal)
+    assert answer[0] == pytest.approx(end, abs=0.02)
+    assert np.linalg.norm(ARM.forward(answer) - goal) < 0.005
+
+
+def test_without_a_command_nothing_is_said_of_ends_and_lags() -> None:
+    """A robot that went its own way may have been anywhere between two examples."""
+    model, twin = taught(NO_OFFSETS, 50), taught(NO_OFFSETS, 50)
+    for angles in examples(20, 7):
+        model.learn(HOME, TIP)
+        model.learn(angles, ARM.forward(angles))
+        twin.learn(HOME, TIP)
+        twin.learn(HOME + 0.5, TIP, HOME + 3.0)  # gets stuck once, and moves
+        twin.learn(angles, ARM.forward(angles))
+    low, high = (model.state().arrays[f"range_{end}"][:, -1] for end in ("low", "high"))
+    np.testing.assert_array_equal([low, high], [[-2.0] * 5, [2.0] * 5])
+    own, other = model.state().arrays, twin.state().arrays
+    np.testing.assert_array_equal(own["range_high"], other["range_high"])
+    lags = slice(-10, None)
+    np.testing.assert_array_equal(own["forward_parameters"][lags], 0.0)
+    assert np.abs(other["forward_parameters"][lags]).max() > 0.0
+
+
+@pytest.mark.parametrize("samples", [0, 1, 2, 60])
+def test_continues_bit_for_bit(samples: int) -> None:
+    model, twin = body(), body()
+    data = examples(samples + 40, 8)
+    for angles in data[:samples]:
+        model.learn(angles + 0.05, ARM.forward(angles), angles + 0.4)
+    twin.load(SavedState().joined(body=model.state()).part("body"))
+    for angles in data[samples:]:
+        actions = [
+            each.learn(angles, ARM.forward(angles), angles + 0.4) for each in (model, twin)
+        ]
+        np.testing.assert_array_equal(*actions)
+    for name, array in model.state().arrays.items():
+        np.testing.assert_array_equal(array, twin.state().arrays[name])
+
+
+def test_refuses_snapshots_of_another_robot() -> None:
+    """And keeps what it has."""
+    model = taught(CONFIG, 20)
+    before = model.predict(HOME + 0.1)
+    whole, other = model.state(), body(joints=4).state()
+    with pytest.raises(GoalBabblingError):
+        model.load(other)
+    for part in ("forward_", "offsets_", "range_"):
+        mixed = {
+            name: other.arrays[name] if name.startswith(part) else array
+            for name, array in whole.arrays.items()
+        }
+        with pytest.raises(GoalBabblingError):
+            model.load(SavedState(mixed, whole.settings))
+    np.testing.assert_array_equal(model.predict(HOME + 0.1), before)
