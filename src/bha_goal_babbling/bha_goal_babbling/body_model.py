@@ -8,8 +8,6 @@ takes away what the average over many examples leaves. As the refined action is 
 learned from, the inverse model comes to say it by itself.
 """
 
-import numpy as np
-
 from bha_goal_babbling.arrays import FloatArray
 from bha_goal_babbling.babbler_config import GoalBabblerConfig
 from bha_goal_babbling.errors import InvalidConfigError
@@ -135,6 +133,7 @@ class BodyModel:
                 raise InvalidConfigError(
                     f"{name} has shape {state.arrays[name].shape}, expected {own[name].shape}"
                 )
-        self._forward = ForwardModel.restore(state.part("forward"))
-        self._offsets = SensorOffsets.restore(state.part("offsets"))
-        self._range = ReachableRange.restore(state.part("range"))
+        forward = ForwardModel.restore(state.part("forward"))
+        offsets = SensorOffsets.restore(state.part("offsets"))
+        ends = ReachableRange.restore(state.part("range"))
+        self._forward, self._offsets, self._range = forward, offsets, ends

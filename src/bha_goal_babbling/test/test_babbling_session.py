@@ -74,6 +74,17 @@ def test_goes_home_first_and_waits_there() -> None:
     np.testing.assert_array_equal(running.babbler.home_outcome, TASK.outcome(tip_of(lengths)))
 
 
+def test_exploration_that_goes_on_begins_at_rest() -> None:
+    """Whatever the robot did in between, it has come to rest at the step it goes on with."""
+    first = session(60.0)
+    run(first)
+    assert first.babbler is not None
+    assert len(first.babbler.state().arrays["body_forward_history"]) == 2
+    again = session(60.0, first.babbler)
+    assert len(first.babbler.state().arrays["body_forward_history"]) == 0
+    np.testing.assert_array_equal(again.update(see(TASK.home_action)), first.babbler.ask())
+
+
 def test_every_step_is_told_what_came_of_it() -> None:
     samples: list[tuple[FloatArray, FloatArray]] = []
     running = session(30.0, on_sample=lambda *sample: samples.append(sample))

@@ -157,6 +157,21 @@ def test_practice_teaches_the_body_too() -> None:
     assert after < 0.3 * before
 
 
+def test_a_pause_is_passed_on_to_the_body() -> None:
+    """And nothing else changes: not the action that was asked for, not what is known."""
+    arm = SlippingArm(10)
+    babbler = learner(arm, 10, OFFSETS)
+    babble(arm, babbler, 50)
+    asked, answers = babbler.ask(), babbler.inverse(arm.goal_grid())
+    before = babbler.state().arrays
+    assert (len(before["body_forward_history"]), len(before["body_range_commands"])) == (2, 4)
+    babbler.pause()
+    after = babbler.state().arrays
+    assert (len(after["body_forward_history"]), len(after["body_range_commands"])) == (0, 0)
+    np.testing.assert_array_equal(babbler.ask(), asked)
+    np.testing.assert_array_equal(babbler.inverse(arm.goal_grid()), answers)
+
+
 def test_samples_that_are_not_trusted_teach_the_body_nothing() -> None:
     arm = SlippingArm(8)
     babbler = learner(arm, 8, OFFSETS)

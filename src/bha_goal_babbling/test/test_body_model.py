@@ -142,6 +142,24 @@ def test_ends_are_those_of_actions_not_of_readings() -> None:
     assert np.linalg.norm(ARM.forward(answer) - goal) < 0.005
 
 
+def test_after_a_pause_the_robot_is_at_rest() -> None:
+    """What it was about is forgotten: it neither moved just now, nor is a command still on."""
+    model, twin = body(), body()
+    far = np.tile(HOME + 1.0, (3, 1))
+    for command in far:
+        model.learn(HOME, TIP, command)
+    model.pause()
+    for command in far:
+        before = model.state().arrays
+        model.learn(HOME + 0.1, TIP, command)
+        np.testing.assert_array_equal(model.state().arrays["range_high"], before["range_high"])
+        np.testing.assert_array_equal(model.state().arrays["forward_parameters"][-10:], 0.0)
+        model.pause()
+    for angles in examples(3, 9):
+        twin.learn(angles, ARM.forward(angles), HOME + 1.0)
+    assert np.abs(twin.state().arrays["forward_parameters"][-10:]).max() > 0.0
+
+
 def test_without_a_command_nothing_is_said_of_ends_and_lags() -> None:
     """A robot that went its own way may have been anywhere between two examples."""
     model, twin = taught(NO_OFFSETS, 50), taught(NO_OFFSETS, 50)

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from bha_goal_babbling import forward_model
 from bha_goal_babbling.arrays import FloatArray
 from bha_goal_babbling.errors import GoalBabblingError
+from bha_goal_babbling.forward_model import _MEMORY as MEMORY
+from bha_goal_babbling.forward_model import _PRIOR as PRIOR
 from bha_goal_babbling.forward_model import ForwardModel
 from bha_goal_babbling.saved_state import SavedState
-
-PRIOR, MEMORY = 2.0, 3000.0
-"""What forward_model.py says."""
 
 
 def powers(z: FloatArray) -> FloatArray:
@@ -53,8 +53,9 @@ def test_begins_with_home_everywhere() -> None:
     np.testing.assert_array_equal(model.jacobian(np.array([5.0, -5.0])), np.zeros((3, 2)))
 
 
-def test_is_batch_ridge_regression_about_home() -> None:
-    """(P0^-1 + A'A / r) W = P0^-1 W0 + A'X / r, as long as process noise has not added up."""
+def test_is_batch_ridge_regression_about_home(monkeypatch: pytest.MonkeyPatch) -> None:
+    """(P0^-1 + A'A / r) W = P0^-1 W0 + A'X / r, where process noise does not add up."""
+    monkeypatch.setattr(forward_model, "_MEMORY", 1e9)
     rng = np.random.default_rng(1)
     home_action, home_outcome, noise = rng.standard_normal(3), rng.standard_normal(2), 0.3
     model = ForwardModel(home_action, home_outcome, noise)
@@ -71,11 +72,11 @@ def test_is_batch_ridge_regression_about_home() -> None:
     )
     asked = rng.uniform(-1.5, 1.5, (20, 3))
     answers = [model.predict(action) for action in asked]
-    np.testing.assert_allclose(answers, powers(asked - home_action) @ expected, atol=1e-3)
+    np.testing.assert_allclose(answers, powers(asked - home_action) @ expected, atol=1e-9)
     for action, row in zip(asked, powers(asked - home_action), strict=True):
         model.pause()
         assert model.expect(action)[2] == pytest.approx(
-            row @ np.linalg.solve(information, row), rel=5e-3
+            row @ np.linalg.solve(information, row)
         )
 
 
