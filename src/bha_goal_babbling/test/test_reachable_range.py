@@ -89,9 +89,9 @@ def test_a_reading_on_its_way_is_not_at_its_end() -> None:
 
 
 def test_a_reading_that_keeps_still_is() -> None:
-    """At that posture the end comes to where the reading sticks; the other end stays."""
+    """At that posture, however far out, the end comes to where it sticks; the other end stays."""
     ranges = ReachableRange(HOME, LOW, HIGH, MARGIN)
-    place = np.array([0.5, 0.4])
+    place = HOME + np.array([3.0, 1.0])
     for _ in range(40):
         ranges.learn(np.array([1.5, 0.0, -1.5]), np.array([0.3, 0.0, -0.4]), place)
     low, high = ranges.at(place)
@@ -99,17 +99,19 @@ def test_a_reading_that_keeps_still_is() -> None:
     np.testing.assert_allclose(low, [-2.0, -2.0, -0.4], atol=1e-4)
 
 
-def test_a_command_is_given_time() -> None:
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_a_command_is_given_time(direction: float) -> None:
     """A reading still at an older command is not stuck until four commands have passed."""
     ranges = ReachableRange(HOME, LOW, HIGH, MARGIN)
-    rest, away = np.zeros(3), np.full(3, 1.0)
+    rest, away = np.zeros(3), np.full(3, direction)
     for _ in range(10):
         ranges.learn(rest, rest, HOME)
     for _ in range(3):
         ranges.learn(away, rest, HOME)
-    np.testing.assert_array_equal(ranges.at(HOME)[1], HIGH)
+        np.testing.assert_array_equal(ranges.at(HOME), [LOW, HIGH])
     ranges.learn(away, rest, HOME)
-    assert (ranges.at(HOME)[1] < HIGH).all()
+    low, high = ranges.at(HOME)
+    assert ((high < HIGH) if direction > 0 else (low > LOW)).all()
 
 
 def test_a_pause_begins_anew() -> None:
