@@ -18,20 +18,19 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bha_goal_babbling.arrays import FloatArray, matrix, vector
+from bha_goal_babbling.arrays import FloatArray, vector
 from bha_goal_babbling.babbler_config import GoalBabblerConfig
-from bha_goal_babbling.body_model import BodyModel
 from bha_goal_babbling.errors import InvalidArrayError, InvalidConfigError, WrongOrderError
 from bha_goal_babbling.exploration_noise import ExplorationNoise
 from bha_goal_babbling.goal_paths import GoalPaths
 from bha_goal_babbling.inverse_model import InverseModel
+from bha_goal_babbling.knowledge import Knowledge
 from bha_goal_babbling.monitored_paths import MonitoredGoalPaths
 from bha_goal_babbling.movements import Movements, restored_targets
 from bha_goal_babbling.noise_amplitude import NoiseAmplitude
 from bha_goal_babbling.random_state import generator_settings, restored_generator
 from bha_goal_babbling.recent_error import RecentError
 from bha_goal_babbling.saved_state import SavedState
-from bha_goal_babbling.scaled_model import ScaledModel
 from bha_goal_babbling.target_source import TargetSource
 
 
@@ -94,15 +93,8 @@ class GoalBabbler:
             config.home_probability,
             config.path_steps,
         )
-        self._learned = (
-            ScaledModel.at_home(config, self._home_action, self._home_outcome)
-            if model is None
-            else ScaledModel(config, model)
-        )
-        self._body = (
-            None
-            if config.forward_model == "none"
-            else BodyModel(config, self._home_action, self._home_outcome, self._low, self._high)
+        self._knowledge = Knowledge(
+            config, self._home_action, self._home_outcome, self._low, self._high, model
         )
         self._rng = rng
         self._noise = ExplorationNoise(config.noise_spread, config.noise_step, m, n, rng)
@@ -111,8 +103,6 @@ class GoalBabbler:
         )
         self._noise_origin = np.zeros(n) if config.noise_origin == "zero" else self._home_outcome
         self._pending: FloatArray | None = None
-        self._action = self._home_action  # the last q that was executed
-        self._outcome = self._home_outcome  # and the x that came of it
         self._samples = 0
         self._error = RecentError(config.error_window)
 
@@ -129,7 +119,7 @@ class GoalBabbler:
     @property
     def local_maps(self) -> int:
         """Number of local models."""
-        return self._learned.model.count
+        return self._knowledge.model.count
 
     @property
     def recent_error(self) -> float:
@@ -160,7 +150,7 @@ class GoalBabbler:
     @property
     def model(self) -> InverseModel:
         """The inverse model, in scaled units."""
-        return self._learned.model
+        return self._knowledge.model
 
     def ask(self) -> FloatArray:
         """Return the action to execute now, shape (m,), within the limits.
@@ -168,10 +158,11 @@ class GoalBabbler:
         The same action comes again until it is told what came of it.
         """
         if self._pending is None:
-            self._movements.prepare(self._action, self._outcome, self._rng)
+            known = self._knowledge
+            self._movements.prepare(known.action, known.outcome, self._rng)
             going_home = self._movements.going_home
             wanted = self._movements.home_step if going_home else self._explored_action()
-            self._pending = self._reading(wanted)
+            self._pending = known.reading(wanted)
         return self._pending.copy()
 
     def tell(self, action: ArrayLike, outcome: ArrayLike, learn: bool = True) -> None:
@@ -197,16 +188,15 @@ class GoalBabbler:
             raise WrongOrderError("tell was called without ask; call ask first")
         action = vector("action", action, self._home_action.size)
         outcome = vector("outcome", outcome, self._home_outcome.size)
-        if learn and self._body is not None:
-            action = self._body.learn(action, outcome, self._pending)
-        outcome_step = outcome - self._outcome
+        outcome_step = outcome - self._knowledge.outcome
         miss = outcome - self._movements.target
+        # Also across movements the last step is carried on, so that no example is lost.
         if learn:
             going_home = self._movements.going_home
             target_step = None if going_home else self._movements.target_step
-            self._learned.learn(action, outcome, action - self._action, outcome_step, target_step)
-        # Also across movements the last step is carried on, so that no example is lost.
-        self._action, self._outcome = action, outcome
+            self._knowledge.learn(action, outcome, self._pending, target_step)
+        else:
+            self._knowledge.pass_over(action, outcome)
         self._pending = None
         self._samples += 1
         over = self._movements.advance(outcome_step, outcome if learn else None)
@@ -215,8 +205,7 @@ class GoalBabbler:
 
     def pause(self) -> None:
         """Take note that the robot has come to rest, or was elsewhere, since the last example."""
-        if self._body is not None:
-            self._body.pause()
+        self._knowledge.pause()
 
     def practise(self, action: ArrayLike, outcome: ArrayLike) -> None:
         """Learn an example that came of somebody else's goal, and stay at the present step.
@@ -236,13 +225,10 @@ class GoalBabbler:
         """
         action = vector("action", action, self._home_action.size)
         outcome = vector("outcome", outcome, self._home_outcome.size)
-        if self._body is not None:
-            action = self._body.learn(action, outcome)
-        self._learned.learn(action, outcome, action - self._action, outcome - self._outcome, None)
-        self._action, self._outcome = action, outcome
+        self._knowledge.learn(action, outcome, None, None)
 
     def inverse(self, goal: ArrayLike) -> FloatArray:
-        """Return g(x*) without noise, within the limits.
+        """Return g(x*), refined where there is a body model, without noise, within the limits.
 
         Parameters
         ----------
@@ -254,13 +240,7 @@ class GoalBabbler:
         array
             One action, shape (m,), or many, shape (N, m).
         """
-        n = self._home_outcome.size
-        if np.ndim(goal) == 1:
-            return self._reading(self._solution(vector("goal", goal, n)))
-        goals = matrix("goal", goal, n)
-        if self._body is None:
-            return self._reading(self._learned.predict_many(goals))
-        return np.array([self._reading(self._solution(each)) for each in goals])
+        return self._knowledge.inverse(goal)
 
     def state(self) -> SavedState:
         """Return everything that `restore` needs, the state of the generator included."""
@@ -270,8 +250,6 @@ class GoalBabbler:
             "home_outcome": self._home_outcome,
             "action_low": self._low,
             "action_high": self._high,
-            "last_action": self._action,
-            "last_outcome": self._outcome,
             "pending": np.array(pending),
         }
         settings = {
@@ -279,12 +257,11 @@ class GoalBabbler:
             "generator": generator_settings(self._rng),
             "samples": self._samples,
         }
-        return SavedState(arrays, settings).joined(
-            learned=self._learned.state(),
+        known = self._knowledge.state()
+        return SavedState({**arrays, **known.arrays}, {**settings, **known.settings}).joined(
             movements=self._movements.state(),
             noise=self._noise.state(),
             error=self._error.state(),
-            **({} if self._body is None else {"body": self._body.state()}),
         )
 
     @classmethod
@@ -298,7 +275,6 @@ class GoalBabbler:
         """
         arrays, settings = state.arrays, state.settings
         config = GoalBabblerConfig.from_mapping(settings["config"])
-        learned = ScaledModel.restore(config, state.part("learned"))
         babbler = cls(
             config,
             restored_targets(state.part("movements")),
@@ -307,32 +283,16 @@ class GoalBabbler:
             arrays["action_low"],
             arrays["action_high"],
             np.random.default_rng(0),
-            model=learned.model,
         )
-        m, n = babbler._home_action.size, babbler._home_outcome.size
         babbler._rng = restored_generator(settings["generator"])
-        babbler._learned = learned
+        babbler._knowledge.load(state)
         babbler._movements.load(state.part("movements"))
         babbler._noise.load(state.part("noise"))
         babbler._error.load(state.part("error"))
-        if babbler._body is not None:
-            babbler._body.load(state.part("body"))
-        babbler._action = vector("last_action", arrays["last_action"], m)
-        babbler._outcome = vector("last_outcome", arrays["last_outcome"], n)
         if len(arrays["pending"]):
-            babbler._pending = vector("pending", arrays["pending"][0], m)
+            babbler._pending = vector("pending", arrays["pending"][0], babbler._home_action.size)
         babbler._samples = int(settings["samples"])
         return babbler
-
-    def _solution(self, goal: FloatArray) -> FloatArray:
-        """Return the action, shape (m,), that is to bring a goal, shape (n,)."""
-        action = self._learned.predict(goal)
-        return action if self._body is None else self._body.refine(action, goal)
-
-    def _reading(self, action: FloatArray) -> FloatArray:
-        """Return what sensors are to read of actions, shape (..., m), within the limits."""
-        reading = action if self._body is None else action + self._body.offsets
-        return np.minimum(np.maximum(reading, self._low), self._high)
 
     def _explored_action(self) -> FloatArray:
         """Return g(x*) + E(x*), shape (m,), equation 3."""
@@ -340,7 +300,7 @@ class GoalBabbler:
         self._noise.advance(self._rng)
         noise = self._noise.at((target - self._noise_origin) / self.config.outcome_scale)
         share = self._amplitude.share(self._movements.goal_error)
-        return self._solution(target) + share * noise
+        return self._knowledge.solution(target) + share * noise
 
     def _paths(self, goals: ArrayLike) -> TargetSource:
         config = self.config
