@@ -201,9 +201,7 @@ def test_goes_on_with_the_very_step_it_was_at(first: float) -> None:
 
     Without a body model, which takes note of the rest.
     """
-    plain = dataclasses.replace(
-        TASK, config=dataclasses.replace(TASK.config, forward_model="none")
-    )
+    plain = dataclasses.replace(TASK, config=dataclasses.replace(TASK.config, forward_model="none"))
     whole = run(session(100.0, task=plain))
     begun = session(first, task=plain)
     commands = run(begun)

@@ -70,7 +70,7 @@ def test_refines_to_the_goal() -> None:
 def test_moves_an_answer_by_its_reach_at_most() -> None:
     """0.4 of the scale of actions."""
     model = taught(NO_OFFSETS)
-    away = model.refine(HOME, TIP + [-0.4, 0.4]) - HOME
+    away = model.refine(HOME, TIP + np.array([-0.4, 0.4])) - HOME
     assert np.linalg.norm(away) == pytest.approx(0.4 * CONFIG.action_scale)
 
 
@@ -131,13 +131,13 @@ def test_readings_are_corrected() -> None:
 def test_ends_are_those_of_actions_not_of_readings() -> None:
     """A joint that ends at 0.1 rad beyond home: answers keep to it, and others make up for it."""
     model, end = body(NO_OFFSETS), HOME[0] + 0.1
-    for command in examples(600, 6) + [0.3, 0.0, 0.0, 0.0, 0.0]:
+    for command in examples(600, 6) + np.array([0.3, 0.0, 0.0, 0.0, 0.0]):
         angles = command.copy()
         angles[0] = min(angles[0], end)
         for _ in range(6):
             model.learn(angles, ARM.forward(angles), command)
-    goal = ARM.forward(HOME + [0.1, 0.2, 0.0, 0.0, 0.0])
-    answer = model.refine(HOME + [0.3, 0.0, 0.0, 0.0, 0.0], goal)
+    goal = ARM.forward(HOME + np.array([0.1, 0.2, 0.0, 0.0, 0.0]))
+    answer = model.refine(HOME + np.array([0.3, 0.0, 0.0, 0.0, 0.0]), goal)
     assert answer[0] == pytest.approx(end, abs=0.02)
     assert np.linalg.norm(ARM.forward(answer) - goal) < 0.005
 
@@ -186,9 +186,7 @@ def test_continues_bit_for_bit(samples: int) -> None:
         model.learn(angles + 0.05, ARM.forward(angles), angles + 0.4)
     twin.load(SavedState().joined(body=model.state()).part("body"))
     for angles in data[samples:]:
-        actions = [
-            each.learn(angles, ARM.forward(angles), angles + 0.4) for each in (model, twin)
-        ]
+        actions = [each.learn(angles, ARM.forward(angles), angles + 0.4) for each in (model, twin)]
         np.testing.assert_array_equal(*actions)
     for name, array in model.state().arrays.items():
         np.testing.assert_array_equal(array, twin.state().arrays[name])

@@ -178,9 +178,7 @@ def test_refuses_missing_files(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("more", [{}, BODY], ids=["plain", "body"])
-def test_refuses_files_that_hold_no_whole_learner(
-    tmp_path: Path, more: dict[str, object]
-) -> None:
+def test_refuses_files_that_hold_no_whole_learner(tmp_path: Path, more: dict[str, object]) -> None:
     """A well-formed file from which any one part is missing, or is of a wrong shape."""
     learner = babbler(**more)
     run(learner, 30)

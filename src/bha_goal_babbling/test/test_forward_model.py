@@ -67,17 +67,13 @@ def test_is_batch_ridge_regression_about_home(monkeypatch: pytest.MonkeyPatch) -
     information = np.eye(size) / PRIOR**2 + features.T @ features / noise**2
     first = np.zeros((size, 2))
     first[0] = home_outcome
-    expected = np.linalg.solve(
-        information, first / PRIOR**2 + features.T @ outcomes / noise**2
-    )
+    expected = np.linalg.solve(information, first / PRIOR**2 + features.T @ outcomes / noise**2)
     asked = rng.uniform(-1.5, 1.5, (20, 3))
     answers = [model.predict(action) for action in asked]
     np.testing.assert_allclose(answers, powers(asked - home_action) @ expected, atol=1e-9)
     for action, row in zip(asked, powers(asked - home_action), strict=True):
         model.pause()
-        assert model.expect(action)[2] == pytest.approx(
-            row @ np.linalg.solve(information, row)
-        )
+        assert model.expect(action)[2] == pytest.approx(row @ np.linalg.solve(information, row))
 
 
 def test_is_a_kalman_filter_of_random_walks() -> None:

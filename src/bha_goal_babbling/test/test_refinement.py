@@ -113,7 +113,7 @@ def test_begins_within_the_ends() -> None:
 def test_goes_no_farther_than_its_reach(reach: float) -> None:
     """In the direction in which it would have gone on."""
     start = ARM.home()
-    goal = ARM.forward(start) + [-0.3, 0.3]
+    goal = ARM.forward(start) + np.array([-0.3, 0.3])
     free = refined(start, goal, ARM, -WIDE, WIDE, 10.0) - start
     short = refined(start, goal, ARM, -WIDE, WIDE, reach) - start
     assert np.linalg.norm(free) > 0.1
