@@ -56,7 +56,7 @@ def test_one_step_is_damped_least_squares() -> None:
     """
     rng = np.random.default_rng(0)
     model, start = Linear(rng.standard_normal((2, 5))), rng.standard_normal(5)
-    left, values, right = np.linalg.svd(model.slope, full_matrices=False)
+    left, _, right = np.linalg.svd(model.slope, full_matrices=False)
     model.slope = left * [1.0, 0.1] @ right
     missed = 0.02 * rng.standard_normal(2)
     answer = refined(start, model.predict(start) + missed, model, -9 * WIDE, 9 * WIDE, 10.0)
@@ -123,11 +123,9 @@ def test_goes_no_farther_than_its_reach(reach: float) -> None:
 
 def test_trusts_the_slope_for_small_steps_only() -> None:
     """A goal far away moves it by three steps of 0.2, less the damping."""
-    answer = refined(np.zeros(2), np.array([30.0, 40.0]), Linear(np.eye(2)), *FAR, 1e3)
+    far = np.full(2, 1e3)
+    answer = refined(np.zeros(2), np.array([30.0, 40.0]), Linear(np.eye(2)), -far, far, 1e3)
     np.testing.assert_allclose(answer, 3 * 0.2 / 1.01 * np.array([0.6, 0.8]), rtol=1e-12)
-
-
-FAR = (np.full(2, -1e3), np.full(2, 1e3))
 
 
 def test_a_model_that_knows_nothing_moves_nothing() -> None:
