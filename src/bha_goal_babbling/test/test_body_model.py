@@ -142,6 +142,18 @@ def test_ends_are_those_of_actions_not_of_readings() -> None:
     assert np.linalg.norm(ARM.forward(answer) - goal) < 0.005
 
 
+def test_sensors_that_slipped_are_no_ends() -> None:
+    """Commands are readings too: a robot whose readings are as asked for is stuck nowhere."""
+    model = taught(CONFIG)
+    for angles in examples(100, 10):
+        for _ in range(6):
+            model.learn(angles + 0.1, ARM.forward(angles), angles + 0.1)
+    assert model.offsets.max() > 0.06
+    state = model.state().arrays
+    np.testing.assert_array_equal(state["range_low"][:, -1], -2.0)
+    np.testing.assert_array_equal(state["range_high"][:, -1], 2.0)
+
+
 def test_after_a_pause_the_robot_is_at_rest() -> None:
     """What it was about is forgotten: it neither moved just now, nor is a command still on."""
     model, twin = body(), body()
