@@ -101,11 +101,13 @@ class Knowledge:
         self._learned.learn(
             action, outcome, action - self.action, outcome - self.outcome, target_step
         )
-        self.pass_over(action, outcome)
-
-    def pass_over(self, action: FloatArray, outcome: FloatArray) -> None:
-        """Take an example as the last one, shapes (m,) and (n,), without learning from it."""
         self.action, self.outcome = action, outcome
+
+    def pass_over(self, reading: FloatArray, outcome: FloatArray) -> None:
+        """Take an example as the last one, shapes (m,) and (n,), without learning from it."""
+        self.pause()
+        self.action = reading if self._body is None else reading - self._body.offsets
+        self.outcome = outcome
 
     def pause(self) -> None:
         """Take note that the robot has come to rest, or was elsewhere, since the last example."""

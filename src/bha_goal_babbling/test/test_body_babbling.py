@@ -185,8 +185,10 @@ def test_samples_that_are_not_trusted_teach_the_body_nothing() -> None:
     for _ in range(20):
         babbler.ask()
         babbler.tell(np.full(5, 2.0), np.ones(2), learn=False)
-    for name, array in before.arrays.items():
-        np.testing.assert_array_equal(array, body().arrays[name])
+    under_way = {"forward_history", "range_commands", "range_action"}
+    for name in before.arrays.keys() - under_way:
+        np.testing.assert_array_equal(before.arrays[name], body().arrays[name])
+    assert (len(body().arrays["forward_history"]), len(body().arrays["range_commands"])) == (0, 0)
     np.testing.assert_array_equal(babbler.inverse(goals), answers)
     babbler.ask()
     babbler.tell(np.full(5, 2.0), np.ones(2))
