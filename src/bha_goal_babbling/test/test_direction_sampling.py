@@ -24,11 +24,11 @@ def test_targets_are_evenly_spaced_on_a_line(size: int, step: float, seed: int) 
 
 
 def test_ends_when_the_outcome_moves_against_the_direction() -> None:
-    """Across still counts as following, against does not."""
+    """Across, to a rounding forwards, still counts as following; against does not."""
     targets, rng = DirectionTargets(0.1, 2), np.random.default_rng(0)
     targets.begin(np.zeros(2), np.zeros(2), rng)
     direction = targets.target() / 0.1
-    across = np.array([-direction[1], direction[0]])
+    across = np.array([-direction[1], direction[0]]) + 1e-9 * direction
     assert not targets.advance(across)
     assert targets.advance(across - 0.01 * direction)
 
