@@ -49,7 +49,7 @@ def test_it_takes_commands_and_stops() -> None:
                 return float(hardware.written[-1].max())
 
             assert cycle() == 0.0
-            (stream,) = node._streams
+            (stream,) = node._streams._subscriptions
             stream.callback(encode_pressures(node.now, np.full(9, 1e4)))
             assert cycle() == 1e4
             scope["LabDriver"].stop(node, None, scope["Trigger"].Response())
