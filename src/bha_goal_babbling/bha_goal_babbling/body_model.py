@@ -98,7 +98,7 @@ class BodyModel:
         self._offsets.learn(
             self._forward.jacobian(scaled - self._offsets.values),
             missed,
-            self._forward.noise + unknown,
+            self._forward.variance + unknown,
         )
         self._forward.learn(features, missed)
         action = scaled - self._offsets.values

@@ -59,7 +59,7 @@ class ForwardModel:
         self._history = np.zeros((0, m))  # the last two actions, the newest first
 
     @property
-    def noise(self) -> float:
+    def variance(self) -> float:
         """Variance of an entry of the outcome that no action explains."""
         return self._variance
 

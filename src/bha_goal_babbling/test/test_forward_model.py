@@ -98,7 +98,7 @@ def test_is_a_kalman_filter_of_random_walks() -> None:
         covariance += noise**2 / MEMORY**2 * np.eye(size)
         model.learn(features, outcome - expected)
         before.append(action)
-    assert model.noise == pytest.approx(noise**2)
+    assert model.variance == pytest.approx(noise**2)
 
 
 @pytest.mark.parametrize(("m", "n"), [(1, 1), (2, 3), (4, 2)])
