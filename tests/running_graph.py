@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 import rclpy
 from bha_interfaces.msg import LearningStatus, Pressures
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Point, PointStamped, PoseStamped
-from rclpy.action import ActionClient
 from sensor_msgs.msg import JointState
 
 from bha_bringup.graph import GraphSettings, NodeDescription, describe_graph
@@ -28,6 +28,7 @@ from bha_common.ros_messages import nanoseconds
 from bha_common.ros_node import CONTROL_QOS
 
 TYPES: dict[str, Any] = {
+    "/diagnostics": DiagnosticArray,
     "lengths": JointState,
     "length_command": JointState,
     "pressures": Pressures,
@@ -155,7 +156,6 @@ class RunningGraph:
         self._stack = contextlib.ExitStack()
         self._streams: dict[str, Stream] = {}
         self._publishers: dict[str, Any] = {}
-        self._actions: dict[str, ActionClient] = {}
         self.client: RobotClient
 
     def __enter__(self) -> RunningGraph:
@@ -166,10 +166,15 @@ class RunningGraph:
             self.client = stack.enter_context(RobotClient(self.processes.check))
             RUNNING.append(self)
             stack.callback(RUNNING.remove, self)
-            self.client.wait_for_graph(self.names, PATIENCE)
-            self.wait(
-                lambda: self.names <= self.client.diagnostics.keys(), "diagnostics of every node"
-            )
+            try:
+                self.client.wait_for_graph(self.names, PATIENCE)
+                self.wait(
+                    lambda: self.names <= self.client.diagnostics.keys(), "diagnostics of each node"
+                )
+            except BaseException as error:
+                for name in sorted(self.names):  # it has left RUNNING when the failure is reported
+                    error.add_note(f"log of {name}:\n{self.log(name)}")
+                raise
             self._stack = stack.pop_all()
         return self
 
@@ -179,6 +184,10 @@ class RunningGraph:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End the nodes and the client."""
         self._stack.close()
 
     # --- waiting ---------------------------------------------------------------------------
@@ -195,17 +204,29 @@ class RunningGraph:
         self.wait(lambda: pressures.time >= end, f"{duration:g} s of robot time")
 
     def fresh(self, node: str) -> dict[str, str]:
-        """Values of a node's next diagnostics, the summary among them as `summary`."""
-        self.client.diagnostics.pop(node, None)
-        self.wait(lambda: node in self.client.diagnostics, f"diagnostics of {node}")
-        return self.values(node)
+        """Values of diagnostics that a node gives from now on, the summary among them as `summary`.
+
+        What is on its way yet does not count: it may tell of a time before an answer that is here.
+        """
+        asked = time.time_ns()
+        arrays = self.listen("/diagnostics")
+        arrays.messages.clear()
+
+        def told() -> list[DiagnosticStatus]:
+            return [
+                status
+                for array in arrays.messages
+                for status in array.status
+                if nanoseconds(array.header.stamp) > asked and status.name.endswith(f"/{node}")
+            ]
+
+        self.wait(lambda: bool(told()), f"diagnostics of {node}")
+        return _values(told()[-1])
 
     def values(self, node: str) -> dict[str, str]:
         """Values of a node's newest diagnostics; empty before the first."""
         status = self.client.diagnostics.get(node)
-        if status is None:
-            return {}
-        return {"summary": status.message, **{item.key: item.value for item in status.values}}
+        return {} if status is None else _values(status)
 
     def dropped(self, node: str, topic: str) -> int:
         """How many messages on a topic a node has dropped, by its newest diagnostics."""
@@ -261,10 +282,7 @@ class RunningGraph:
 
     def begin(self, kind: Any, name: str, goal: Any) -> Any:
         """Send a goal to an action without waiting for its end; its handle."""
-        if name not in self._actions:
-            self._actions[name] = ActionClient(self.client.node, kind, name)
-        self.wait(self._actions[name].server_is_ready, f"the action {name}")
-        answer = self._actions[name].send_goal_async(goal)
+        answer = self.client.action(kind, name).send_goal_async(goal)
         self.wait(answer.done, f"an answer of {name}")
         return answer.result()
 
@@ -295,6 +313,10 @@ class RunningGraph:
         path = self.folder / "logs" / f"{name}.log"
         text = path.read_text(errors="replace") if path.exists() else ""
         return "\n".join(text.splitlines()[-lines:])
+
+
+def _values(status: DiagnosticStatus) -> dict[str, str]:
+    return {"summary": status.message, **{item.key: item.value for item in status.values}}
 
 
 def goal(x: float, y: float, z: float, frame: str = "") -> PointStamped:

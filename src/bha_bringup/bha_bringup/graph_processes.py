@@ -15,7 +15,7 @@ from ament_index_python.packages import get_package_prefix
 
 from bha_bringup.graph import NAMESPACE, NodeDescription
 
-_GRACE = 2.0  # [s] from the request to end until the process is killed
+_GRACE = 5.0  # [s] from the request to end until the process is killed
 
 
 class GraphError(RuntimeError):

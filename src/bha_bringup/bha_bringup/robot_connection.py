@@ -68,6 +68,9 @@ class RobotConnection:
     def close(self) -> None:
         """End the connection."""
         self._executor.shutdown(timeout_sec=0.0)
+        for client in self._clients.values():
+            if isinstance(client, ActionClient):  # rclpy leaves them, and with them shared memory
+                client.destroy()
         self.node.destroy_node()
         if self._own_context:
             try_shutdown()

@@ -12,6 +12,7 @@ import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from numpy.typing import NDArray
 from rclpy import init, try_shutdown
+from rclpy.action import ActionServer
 from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor, TimeoutException
@@ -113,6 +114,16 @@ class BhaNode(Node):
 
     def close(self) -> None:
         """Do what must be done before the node ends; nodes override this."""
+
+    def destroy_node(self) -> None:
+        """Give back what the node holds of DDS, shared memory among it.
+
+        rclpy leaves action servers out: what they hold would outlive the process in `/dev/shm`.
+        """
+        for waitable in list(self.waitables):
+            if isinstance(waitable, ActionServer):
+                waitable.destroy()
+        super().destroy_node()
 
     def spin(self) -> None:
         """Serve streams, services, actions and timers until the context is shut down."""
