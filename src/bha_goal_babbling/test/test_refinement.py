@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import lsq_linear
 
 from bha_goal_babbling.arrays import FloatArray
 from bha_goal_babbling.planar_arm import PlanarArm
@@ -91,6 +92,52 @@ def test_others_make_up_for_an_entry_at_its_end() -> None:
     assert answer[2] == pytest.approx((0.2 - 0.05 - 0.08) / 0.6, rel=0.02)
     downwards = refined(np.zeros(3), np.array([-0.2]), model, -high, -low, 10.0)
     np.testing.assert_array_equal(downwards, -answer)
+
+
+@settings(max_examples=200, deadline=None)
+@given(seed=st.integers(0, 10_000), outcomes=st.integers(1, 3))
+def test_a_step_is_the_best_within_the_ends(seed: int, outcomes: int) -> None:
+    """What one iteration costs is what SciPy's bounded least squares costs, or less.
+
+    The second and third leave it there: they are told that nothing is missed any more.
+    """
+    rng = np.random.default_rng(seed)
+    slope = rng.standard_normal((outcomes, 9))
+    low, high = -rng.exponential(0.1, 9), rng.exponential(0.1, 9)
+    missed = 0.2 * rng.standard_normal(outcomes) / np.sqrt(outcomes)
+
+    class Once(Linear):
+        """Misses nothing any more once it was asked."""
+
+        asked = False
+
+        def predict(self, action: FloatArray) -> FloatArray:
+            self.asked, asked = True, self.asked
+            return missed if asked else np.zeros(outcomes)
+
+    def cost(step: FloatArray) -> float:
+        left = missed * min(1.0, 0.2 / np.linalg.norm(missed)) - slope @ step
+        return float(left @ left + 0.01 * step @ step)
+
+    step = refined(np.zeros(9), missed, Once(slope), low, high, 1e3)
+    shortened = missed * min(1.0, 0.2 / np.linalg.norm(missed))
+    rows, right = np.vstack([slope, 0.1 * np.eye(9)]), np.append(shortened, np.zeros(9))
+    assert cost(step) <= cost(lsq_linear(rows, right, (low, high), tol=1e-14).x) + 1e-9
+
+
+def test_answers_do_not_jump() -> None:
+    """A goal on its way out of reach moves the answer as little as itself.
+
+    An entry that came to its end early and was not let go again would make answers jump.
+    """
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        model = Linear(rng.standard_normal((3, 9)))
+        low, high = -rng.exponential(0.05, 9), rng.exponential(0.05, 9)
+        way = np.linspace(0.0, 0.5, 2000)[:, None] * rng.standard_normal(3)
+        answers = [refined(np.zeros(9), goal, model, low, high, 10.0) for goal in way]
+        steps = np.linalg.norm(np.diff(answers, axis=0), axis=1)
+        assert steps.max() < 20.0 * np.linalg.norm(way[1])
 
 
 def test_gives_up_what_no_entry_can_bring() -> None:
