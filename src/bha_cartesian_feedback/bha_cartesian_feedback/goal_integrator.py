@@ -7,15 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bha_cartesian_feedback.correction_watch import CorrectionWatch
 from bha_common.settings import check_settings, setting
 
 Array = NDArray[np.float64]
 
 _LONGEST_STEP = 1.0  # [s] over which one tip is integrated; beyond that it was not seen
-_SMOOTHING = 0.5  # [s] over which the error is averaged before its direction is trusted
-_CHECK_PERIOD = 1.0  # [s] between two looks at where the error has gone
-_SLOWEST = 0.02  # [1/s] gain that no trunk is too slow for
-_WORSE = 1.5  # times the first error, and the tolerance twice more: the corrections lead away
 
 
 @dataclass(frozen=True)
@@ -50,12 +47,8 @@ class GoalIntegrator:
 
     ``target = goal + correction``, where the correction integrates ``gain * (goal - tip)``.
 
-    A plant that follows its target with a lag tau stays stable for gains below about 1 / tau, and
-    neither tau nor how far the tip goes with its target is known. So the gain is a wish: whenever
-    the error has turned against itself, by more than the tolerance on both sides, the gain is
-    halved for the rest of the movement (Kesten, "Accelerated stochastic approximation", 1958), and
-    when the corrections have led farther away than feed-forward control was, they are taken back
-    as well. Whatever the settings, what swings or runs away soon does so no more.
+    The gain is a wish, and corrections are on trial, see `CorrectionWatch`: whatever the settings,
+    what swings or runs away soon does so no more.
 
     Anti-windup: the correction is limited in size and speed, and stands still in the coordinates
     that do not count.
@@ -85,16 +78,17 @@ class GoalIntegrator:
         self._tolerance = tolerance or settings.tolerance
         self._timeout = timeout or settings.timeout
         self._correction = np.zeros(3)
-        self.gain = settings.gain
-        """Gain now [1/s]."""
-        self._smooth: Array | None = None  # error, averaged
-        self._checked: Array | None = None  # what it was at the last check
-        self._next_check = start + settings.feedforward_time
-        self._first = np.inf  # error at the first check
-        self._going_back = False
+        self._watch = CorrectionWatch(
+            settings.gain, self._tolerance, start + settings.feedforward_time
+        )
         self.goal = goal
         self.error = float("nan")
         self.elapsed = 0.0
+
+    @property
+    def gain(self) -> float:
+        """Gain now [1/s]."""
+        return self._watch.gain
 
     @property
     def target(self) -> Array:
@@ -132,38 +126,12 @@ class GoalIntegrator:
         if not self.error <= self._tolerance:
             self._outside = time
         if self.elapsed > self._settings.feedforward_time:
-            self._watch(time, period, error)
-            wanted = self.gain * period * error
-            if self._going_back:
-                wanted = -self._correction
+            self._watch.look(time, period, error, self._correction)
+            back = self._watch.back_to
+            wanted = self.gain * period * error if back is None else back - self._correction
             motion = _limited(wanted, self._settings.max_speed * period)
             self._correction = _limited(self._correction + motion, self._settings.max_correction)
         return self.target
-
-    def _watch(self, time: float, period: float, error: Array) -> None:
-        """Lower the gain when the error swings, and go back when it grows."""
-        if self._smooth is None:
-            self._smooth = error
-        self._smooth = self._smooth + min(1.0, period / _SMOOTHING) * (error - self._smooth)
-        if time < self._next_check:
-            return
-        self._next_check = time + _CHECK_PERIOD
-        before, now = self._checked, self._smooth
-        size = float(np.linalg.norm(now))
-        if before is None:
-            self._first = size
-        worse = size > _WORSE * self._first + 2.0 * self._tolerance
-        if worse and not self._going_back:
-            self._slow_down()
-        self._going_back = worse
-        swings = before is not None and size > self._tolerance and float(before @ now) < 0.0
-        if swings and not worse:
-            self._slow_down()
-        if before is None or size > self._tolerance:
-            self._checked = now
-
-    def _slow_down(self) -> None:
-        self.gain = max(0.5 * self.gain, min(self._settings.gain, _SLOWEST))
 
 
 def _limited(vector: Array, length: float) -> Array:

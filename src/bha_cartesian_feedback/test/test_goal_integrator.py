@@ -114,6 +114,41 @@ def test_a_goal_out_of_reach_does_not_wind_up() -> None:
     assert np.linalg.norm(feedback.target - GOAL) < 0.1 - 0.9 * 0.02 * PERIOD
 
 
+@pytest.mark.parametrize("gain", [0.05, 0.2, 0.5])
+@pytest.mark.parametrize("wait", [0.0, 3.0])
+def test_what_leads_nowhere_is_taken_back(gain: float, wait: float) -> None:
+    """A tip that cannot come nearer than 2 cm: the target tries 4 cm and goes back, ever slower."""
+    feedback = integrator(gain=gain, max_speed=1.0, max_correction=0.5, feedforward_time=wait)
+    held, away = GOAL + np.array([0.02, 0.0, 0.0]), []
+    for tick in range(1, 6000):
+        away.append(np.linalg.norm(feedback.update(100.0 + tick * PERIOD, held) - GOAL))
+    assert max(away) < 2.0 * (0.02 + 0.002) + 2 * gain * 0.02  # as far as it comes until a check
+    assert min(away[300:]) < 0.005
+    assert feedback.gain < gain
+
+
+@pytest.mark.parametrize("gain", [0.05, 0.2, 0.5])
+def test_a_tip_that_is_led_away_comes_back(gain: float) -> None:
+    """Beyond 1 cm of correction the answer is another posture: it does not stay there."""
+    feedback = integrator(gain=gain, max_speed=0.02, max_correction=0.5)
+    errors, tip = [], GOAL + np.array([0.02, 0.0, 0.0])
+    for tick in range(1, 3000):
+        correction = feedback.update(100.0 + tick * PERIOD, tip) - GOAL
+        rest = 0.02 + 0.5 * correction[0] if correction[0] > -0.01 else 0.10
+        tip = tip + 0.1 * (GOAL + np.array([rest, 0.0, 0.0]) - tip)
+        errors.append(feedback.error)
+    assert np.median(errors[-1000:]) < 0.021
+
+
+def test_goes_on_after_it_went_back() -> None:
+    """What was out of reach may come into reach, as when creep or a load goes."""
+    feedback, stuck = integrator(gain=0.2, max_correction=0.5), GOAL + np.array([0.02, 0.0, 0.0])
+    for tick in range(1, 1000):
+        feedback.update(100.0 + tick * PERIOD, stuck)
+    errors = run(feedback, Trunk(1.0), 600.0, start=200.0)
+    assert errors[-1] < 2e-3
+
+
 def test_a_gap_in_the_stream_of_tips_does_not_make_the_target_jump() -> None:
     """What the tip did meanwhile is not known, so it is not integrated over the gap."""
     feedback = integrator(feedforward_time=0.0)
