@@ -11,8 +11,7 @@ _SMOOTHING = 0.5  # [s] over which the error is averaged before it is trusted
 _CHECK_PERIOD = 1.0  # [s] between two looks at where the error has gone
 _LAG_CHECKS = 3  # looks after which the tip has followed its target well enough to judge by
 _SLOWEST = 0.02  # [1/s] gain that no trunk is too slow for
-_ROOM = 2.0  # times the usual error, and the tolerance as often: how far a correction may try
-_FORGETTING = 0.2  # share that a check has in the usual error
+_ROOM = 2.0  # times the first error, and the tolerance as often: how far a correction may try
 _WORSE = 1.5  # times the first error, and the tolerance twice more: the corrections lead away
 
 
@@ -25,10 +24,9 @@ class CorrectionWatch:
     halved (Kesten, "Accelerated stochastic approximation", 1958).
 
     Where the tip cannot follow, as at the end of a bellows' range, a correction grows nevertheless,
-    until the inverse model answers with another posture. So one that has gone twice the error of
-    late beyond where the error was least, or that has led half as far again away as feed-forward
-    control was, is taken back to there, and if that was in vain, to half of it; the gain is halved
-    too.
+    until the inverse model answers with another posture. So one that has gone twice the first error
+    beyond where the error was least, or that has led half as far again away as feed-forward control
+    was, is taken back to there, and if that was in vain, to half of it; the gain is halved too.
 
     Parameters
     ----------
@@ -49,7 +47,6 @@ class CorrectionWatch:
         self._before: Array | None = None  # what it was when it was last beyond the tolerance
         self._first_checks = _LAG_CHECKS  # still to come
         self._first = 0.0  # largest error at those
-        self._usual = 0.0  # error of late, averaged
         self._least = np.inf
         self._best = np.zeros(3)  # the correction that has brought the least error
         self._tried = [self._best] * _LAG_CHECKS  # corrections at the last checks
@@ -81,9 +78,7 @@ class CorrectionWatch:
     def _check(self, error: Array, correction: Array) -> None:
         size = float(np.linalg.norm(error))
         if self._first_checks > 0:
-            self._first_checks -= 1
-            self._first = self._usual = max(self._first, size)
-        self._usual += _FORGETTING * (size - self._usual)
+            self._first, self._first_checks = max(self._first, size), self._first_checks - 1
         if size < self._least or size <= self._tolerance:
             # The tip is late: what it shows now has come of what was tried a while ago.
             self._least, self._best, self._in_vain = size, self._tried[0], False
@@ -101,7 +96,7 @@ class CorrectionWatch:
     def _is_lost(self, size: float, correction: Array) -> bool:
         away = float(np.linalg.norm(correction - self._best))
         return (
-            away > _ROOM * (self._usual + self._tolerance)
+            away > _ROOM * (self._first + self._tolerance)
             or size > _WORSE * self._first + 2.0 * self._tolerance
         )
 
