@@ -96,6 +96,35 @@ def test_a_path_that_ros_cannot_take_is_refused(checkout: Path) -> None:
     assert "space" in said.stderr
 
 
+def test_a_build_leaves_the_caller_in_its_folder(checkout: Path, tmp_path: Path) -> None:
+    """A relative path, such as that of results, is meant from where ./bha was called."""
+    package, venv = checkout / "ros2_ws" / "src" / "some", checkout / ".venv" / "bin"
+    package.mkdir(parents=True)
+    (package / "package.xml").write_text("<package/>")
+    (checkout / "ros2_ws" / "colcon_defaults.yaml").touch()
+    venv.mkdir(parents=True)
+    (venv / "colcon").write_text("#!/bin/sh\nmkdir -p install/some && echo built in $(pwd) >&2\n")
+    (venv / "colcon").chmod(0o755)
+    script = f"""
+        set -euo pipefail
+        ROOT={checkout} VENV=$ROOT/.venv WORKSPACE=$ROOT/ros2_ws LOG={tmp_path}/log
+        ENVIRONMENT=$WORKSPACE/install/environment.sh
+        say() {{ echo "$@" >&2; }}
+        die() {{ say "$@"; exit 1; }}
+        source "$ROOT/tools/setup.bash"
+        provide_system() {{ :; }}
+        venv_ready() {{ :; }}
+        record_environment() {{ touch "$ENVIRONMENT"; }}
+        setup && pwd
+    """
+    said = subprocess.run(
+        ["bash", "-c", script], cwd=tmp_path, capture_output=True, text=True, timeout=60
+    )
+    assert said.returncode == 0, said.stderr
+    assert f"built in {checkout}/ros2_ws" in (tmp_path / "log").read_text()
+    assert said.stdout.strip() == str(tmp_path)
+
+
 def test_the_second_call_is_at_work_at_once() -> None:
     first = bha("setup")
     assert first.returncode == 0, first.stderr

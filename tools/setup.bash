@@ -119,7 +119,8 @@ build_key() {
     } | digest
 }
 
-build_workspace() {
+# In a shell of its own: who calls stays in the folder that relative paths are meant from.
+build_workspace() (
     local folder package key status=0
     local -A changed=()
     cd "$WORKSPACE" || return
@@ -147,7 +148,7 @@ build_workspace() {
     fi
     for package in "${!changed[@]}"; do echo "${changed[$package]}" >"install/$package/.key"; done
     record_environment
-}
+)
 
 # Write what sourcing the workspace does to an environment, so that later calls need not wait
 # for it. A native ROS in the user's environment is shut out: its Python paths do not fit.
