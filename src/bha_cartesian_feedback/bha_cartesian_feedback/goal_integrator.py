@@ -47,8 +47,8 @@ class GoalIntegrator:
 
     ``target = goal + correction``, where the correction integrates ``gain * (goal - tip)``.
 
-    The gain is a wish, and corrections are on trial, see `CorrectionWatch`: whatever the settings,
-    what swings or runs away soon does so no more.
+    The gain is a wish, and corrections are on trial, see `CorrectionWatch`: what swings or runs
+    away is slowed down and taken back.
 
     Anti-windup: the correction is limited in size and speed, and stands still in the coordinates
     that do not count.
