@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import rclpy
+from bha_interfaces.action import ReachGoal
 from bha_interfaces.msg import LearningStatus, Pressures
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Point, PointStamped, PoseStamped
@@ -196,6 +197,23 @@ class RunningGraph:
         """Serve messages until a condition holds; fail the test when it does not in time."""
         assert self.client.wait(condition, timeout), f"not within {timeout:g} s: {what}"
 
+    def repeat(self, act: Callable[[], None], condition: Callable[[], bool], what: str) -> None:
+        """Do something ten times a second until a condition holds; fail when it does not in time.
+
+        For what a node must be told: a publisher knows of a subscriber before that knows of it, so
+        what is published once may be lost.
+        """
+        due = 0.0
+
+        def step() -> bool:
+            nonlocal due
+            if time.monotonic() >= due:
+                due = time.monotonic() + 0.1
+                act()
+            return condition()
+
+        self.wait(step, what)
+
     def wait_robot(self, duration: float) -> None:
         """Let some robot time pass [s]."""
         pressures = self.listen("pressures")
@@ -286,6 +304,13 @@ class RunningGraph:
         self.wait(answer.done, f"an answer of {name}")
         return answer.result()
 
+    def begin_reach(self, node: str, goal: ReachGoal.Goal) -> Any:
+        """Send a goal to a node, and wait until the learner moves to it; the handle."""
+        before = self.client.status.goals_set
+        handle = self.begin(ReachGoal, f"{node}/reach_goal", goal)
+        self.wait(lambda: self.client.status.goals_set > before, "the movement's begin")
+        return handle
+
     def result(self, handle: Any, timeout: float = PATIENCE) -> Any:
         """Wait for the end of what `begin` began; its result."""
         ended = handle.get_result_async()
@@ -301,6 +326,16 @@ class RunningGraph:
         os.kill(self.processes.pid(name), how)
         code = self.processes.code(name, timeout)
         return code, time.monotonic() - begin
+
+    @contextlib.contextmanager
+    def asleep(self, name: str) -> Iterator[None]:
+        """Let a node do nothing for a while."""
+        process = self.processes.pid(name)
+        os.kill(process, signal.SIGSTOP)
+        try:
+            yield
+        finally:
+            os.kill(process, signal.SIGCONT)
 
     def restart(self, name: str) -> None:
         """Start a node again that has ended, and wait until it speaks."""

@@ -111,15 +111,7 @@ class Driver:
 
     def commanding(self, condition: Any, what: str, pressures: np.ndarray = PRESSED) -> None:
         """Command ten times a second until a condition holds."""
-        due = [0.0]
-
-        def act() -> bool:
-            if time.monotonic() >= due[0]:
-                due[0] = time.monotonic() + 0.1
-                self.command(pressures)
-            return bool(condition())
-
-        self.graph.wait(act, what)
+        self.graph.repeat(lambda: self.command(pressures), condition, what)
 
     def press(self) -> None:
         self.commanding(lambda: self.terminal.highest > 4e4, "pressure")
@@ -250,7 +242,6 @@ def test_commands_that_cannot_be_meant(make_driver: Any) -> None:
     graph = driver.graph
     good = pressures_message(graph.now(), PRESSED)
     publisher = graph.publisher("pressure_command")
-    bad = []
     for change in ("nan", "inf", "count", "name", "doubled", "no stamp", "old", "future"):
         message = pressures_message(graph.now(), PRESSED)
         if change == "nan":
@@ -268,13 +259,12 @@ def test_commands_that_cannot_be_meant(make_driver: Any) -> None:
         else:
             shift = 10**10 if change == "future" else -(10**10)
             message.header.stamp = stamp_message(graph.now() + shift)
-        bad.append(message)
-    for message in bad:
-        publisher.publish(message)
-    graph.wait(
-        lambda: graph.values("driver").get("pressure_command dropped") == str(len(bad)),
-        "all of them refused",
-    )
+        before = graph.dropped("driver", "pressure_command")
+        graph.repeat(
+            lambda message=message: publisher.publish(message),
+            lambda before=before: graph.dropped("driver", "pressure_command") > before,
+            f"{change} to be refused",
+        )
     assert driver.terminal.highest == 0.0
     good.pressure = [-1e9, 1e9, 5e5, *good.pressure[3:]]
     driver.commanding(

@@ -77,10 +77,8 @@ class TestEmergencyStop:
 
     def test_it_ends_a_movement_and_says_so(self, graph: RunningGraph) -> None:
         for node in NODES_OF_GOALS:
-            handle = graph.begin(
-                ReachGoal,
-                f"{node}/reach_goal",
-                ReachGoal.Goal(goal=goal(*GOAL), tolerance=1e-6, timeout=600.0),
+            handle = graph.begin_reach(
+                node, ReachGoal.Goal(goal=goal(*GOAL), tolerance=1e-6, timeout=600.0)
             )
             graph.wait_robot(0.5)
             graph.client.emergency_stop()

@@ -178,7 +178,7 @@ class TestTrained:
 
     def test_a_goal_overtakes_the_one_before(self, graph: RunningGraph) -> None:
         first = ReachGoal.Goal(goal=PointStamped(point=Point(x=-0.2, y=0.0, z=0.7)), timeout=30.0)
-        handle = graph.begin(ReachGoal, "learner/reach_goal", first)
+        handle = graph.begin_reach("learner", first)
         assert handle.accepted
         graph.client.set_goal(GOAL)
         assert "ended by another goal" in graph.result(handle).message
@@ -189,7 +189,7 @@ class TestTrained:
             goal=PointStamped(point=Point(x=-0.2, y=0.0, z=0.7)), tolerance=1e-6, timeout=600.0
         )
         for wait in (0.5, 8.0):  # before feedback counts, and after
-            handle = graph.begin(ReachGoal, "cartesian_feedback/reach_goal", first)
+            handle = graph.begin_reach("cartesian_feedback", first)
             graph.wait_robot(wait)
             graph.client.set_goal(goal)
             assert "ended by another goal" in graph.result(handle).message
@@ -201,7 +201,7 @@ class TestTrained:
             goal = ReachGoal.Goal(
                 goal=PointStamped(point=Point(x=0.0, y=-0.2, z=0.7)), tolerance=1e-6, timeout=600.0
             )
-            handle = graph.begin(ReachGoal, f"{node}/reach_goal", goal)
+            handle = graph.begin_reach(node, goal)
             graph.wait_robot(1.0)
             handle.cancel_goal_async()
             assert graph.result(handle).message == "cancelled; holding"
@@ -244,3 +244,18 @@ class TestTrained:
         assert drops(graph) == drops_at_start
         assert graph.fresh("simulator")["lockstep"] == "True"
         assert graph.values("simulator")["lockstep timeouts"] == "0"
+
+    def test_feedback_that_slept_is_overtaken_too(self, graph: RunningGraph) -> None:
+        """The last one here: tips that it does not see count as dropped."""
+        goal = np.array([0.0, 0.2, 0.75])
+        first = ReachGoal.Goal(
+            goal=PointStamped(point=Point(x=-0.2, y=0.0, z=0.7)), tolerance=1e-6, timeout=600.0
+        )
+        handle = graph.begin_reach("cartesian_feedback", first)
+        graph.wait_robot(8.0)
+        with graph.asleep("cartesian_feedback"):
+            graph.client.set_goal(goal)
+            graph.wait(lambda: graph.client.status.mode == LearningStatus.HOLDING, "holding")
+            graph.wait_robot(60.0)  # no status that waits for it tells of the movement any more
+        assert "ended by another goal" in graph.result(handle).message
+        graph.wait(lambda: distance_aside(graph.tip(), goal) < 0.05, "the tip at the goal")

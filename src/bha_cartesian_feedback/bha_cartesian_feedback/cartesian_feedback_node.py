@@ -57,6 +57,7 @@ class CartesianFeedback(BhaNode):
         self._mode = ""
         self._stopped = False
         self._began = 0  # robot time [ns]
+        self._number = 0  # of the goal, given by the learner
         self._targets = self.create_publisher(PointStamped, "target", CONTROL_QOS)
         self.subscribe_stream(PoseStamped, "tip", self._take_tip)
         self.create_subscription(LearningStatus, "learning_status", self._take_status, 10)
@@ -69,6 +70,7 @@ class CartesianFeedback(BhaNode):
             Mover(
                 begin=self._begin,
                 current=lambda: self._integrator,
+                number=lambda: self._number,
                 halt=self._end,
                 tip=lambda _: self._tip,
                 success=lambda integrator: integrator.arrived if integrator.done else None,
@@ -91,17 +93,11 @@ class CartesianFeedback(BhaNode):
 
     def _take_status(self, message: LearningStatus) -> None:
         self._mode = message.mode
-        if nanoseconds(message.header.stamp) <= self._began:
-            return
-        if message.mode not in _ACCEPTING or self._overtaken_by(message):
+        refuses = message.mode not in _ACCEPTING
+        if refuses and nanoseconds(message.header.stamp) > self._began:
             self._end()
-
-    def _overtaken_by(self, status: LearningStatus) -> bool:
-        """Whether the learner moves to a goal that somebody else has set since."""
-        if self._integrator is None or status.mode != LearningStatus.REACHING:
-            return False
-        theirs = np.array([status.goal.x, status.goal.y, status.goal.z])[: self._axes]
-        return not np.allclose(theirs, self._integrator.goal[: self._axes], rtol=0.0, atol=1e-9)
+        if message.goals_set > self._number:  # by somebody else
+            self._end()
 
     def _take_stop(self, message: Bool) -> None:
         self._stopped = bool(message.data)
@@ -122,12 +118,13 @@ class CartesianFeedback(BhaNode):
             raise MessageError("no tip was seen yet: is the tracker running?")
         if not self._mode:
             raise MessageError("no learning_status was seen yet: is the learner running?")
-        await self._go_feedforward(goal)
+        number = await self._go_feedforward(goal)
         if self._stopped:
             raise MessageError("ended by an emergency stop")
         if self._mode not in _ACCEPTING:
             raise MessageError(f"the learner accepts no targets now: its mode is {self._mode}")
         self._end()
+        self._number = number
         self._began = self._robot_clock.now
         self._integrator = GoalIntegrator(
             self._settings,
@@ -139,8 +136,11 @@ class CartesianFeedback(BhaNode):
         )
         return self._integrator
 
-    async def _go_feedforward(self, goal: PointStamped) -> None:
-        """Let the learner begin the movement: it alone knows which goals it can be given."""
+    async def _go_feedforward(self, goal: PointStamped) -> int:
+        """Let the learner begin the movement: it alone knows which goals it can be given.
+
+        Returns the number that the learner has given to the goal.
+        """
         if not self._learner.service_is_ready():
             raise MessageError("the learner's set_goal is not there: is the learner running?")
         answered = Future()
@@ -159,6 +159,7 @@ class CartesianFeedback(BhaNode):
             raise MessageError(f"the learner did not answer within {_LEARNER_TIMEOUT:g} s")
         if not answer.accepted:
             raise MessageError(answer.message)
+        return int(answer.number)
 
     def diagnose(self) -> tuple[bytes, str, dict[str, str]]:
         """Tell what the feedback does."""

@@ -44,6 +44,7 @@ class Mover(Generic[M]):
     begin : Begins a movement to a goal, with a tolerance [m] and a timeout [s], of which 0 takes
         the node's own; raises MessageError, with the reason, to refuse it.
     current : The movement under way, if there is one.
+    number : Number that the learner has given to the newest movement.
     halt : Ends it, and settles what waits for it.
     tip : Where the tip is on a movement [m], shape (3,); None when it was not seen.
     success : Whether a movement came to its goal; None when it has not ended by itself.
@@ -53,6 +54,7 @@ class Mover(Generic[M]):
 
     begin: Callable[[PointStamped, float, float], Awaitable[M]]
     current: Callable[[], M | None]
+    number: Callable[[], int]
     halt: Callable[[], None]
     tip: Callable[[M], Array | None]
     success: Callable[[M], bool | None]
@@ -93,7 +95,7 @@ class GoalServer(Generic[M]):
     ) -> SetGoal.Response:
         try:
             movement = await self._mover.begin(request.goal, 0.0, 0.0)
-            response.accepted = True
+            response.accepted, response.number = True, self._mover.number()
             response.message = f"on the way to {np.round(movement.goal, 4).tolist()} m"
         except MessageError as error:
             response.message = str(error)

@@ -50,6 +50,7 @@ class Learner:
         self.task = task
         self.babbler = babbler
         self.exploration_time = 0.0
+        self.goals_set = 0
         self.on_sample: Callable[[FloatArray, FloatArray], None] | None = None
         self._window = ObservationWindow(round(settings.observation_span * 1e9))
         self._rng = np.random.default_rng(settings.seed)
@@ -194,6 +195,7 @@ class Learner:
         self._resting = self.HOLDING
         self._practice.begin()
         self._goal = goal
+        self.goals_set += 1
         self._reach = Reach(self.task, self.settings, goal, tolerance, timeout)
         return self._reach
 

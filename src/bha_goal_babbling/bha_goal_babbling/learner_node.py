@@ -86,6 +86,7 @@ class LearnerNode(BhaNode):
             Mover(
                 begin=self._begin_reach,
                 current=lambda: self._learner.reach,
+                number=lambda: self._learner.goals_set,
                 halt=self._halt,
                 tip=lambda reach: reach.tip,
                 success=lambda reach: None if reach.result is None else reach.result.settled,
@@ -218,6 +219,7 @@ class LearnerNode(BhaNode):
             task=self._learner.task.name,
             exploration_time=self._learner.exploration_time,
             recent_error=float("nan"),
+            goals_set=self._learner.goals_set,
             goal=plain_point(self._learner.goal),
         )
         message.header.stamp = stamp_message(stamp)

@@ -359,6 +359,7 @@ class TestGoals:
         robot.step(2)
         second = robot.learner.go_to(-GOAL)
         assert robot.learner.reach is second
+        assert robot.learner.goals_set == 2
         robot.end(second)
         assert first.result is None
         assert second.result is not None
