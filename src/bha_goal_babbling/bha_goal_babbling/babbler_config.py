@@ -69,6 +69,9 @@ class GoalBabblerConfig:
     abort_distance : float or None
         Distance between target and outcome at which a path is given up and the next one starts at
         what was observed [outcome unit]; None never gives up.
+    stay_steps : int
+        Steps for which a goal stays the target after a path has come to it, so that a robot which
+        lags behind gets there.
     noise_per_error : float or None
         Amplitude of the noise per last error of the goal [action unit per outcome unit], not above
         `noise_spread`; None for `noise_spread` always.
@@ -119,6 +122,7 @@ class GoalBabblerConfig:
     model: str = "local_linear_maps"
     goal_candidates: int = 1
     abort_distance: float | None = None
+    stay_steps: int = 0
     noise_per_error: float | None = None
     noise_floor: float = 0.0
     final_map_distance: float | None = None
@@ -176,6 +180,9 @@ class GoalBabblerConfig:
             value = getattr(self, name)
             if not isinstance(value, int) or isinstance(value, bool) or value < 1:
                 raise InvalidConfigError(f"{name} must be a whole number above 0, got {value!r}")
+        stay = self.stay_steps
+        if not isinstance(stay, int) or isinstance(stay, bool) or stay < 0:
+            raise InvalidConfigError(f"stay_steps must be a whole number, 0 or above, got {stay!r}")
         for name, choices in (
             ("noise_origin", NOISE_ORIGINS),
             ("direction", DIRECTIONS),
@@ -194,6 +201,7 @@ class GoalBabblerConfig:
         return (
             self.goal_candidates > 1
             or self.abort_distance is not None
+            or self.stay_steps > 0
             or self.noise_per_error is not None
         )
 

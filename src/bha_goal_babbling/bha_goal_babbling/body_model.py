@@ -8,6 +8,8 @@ takes away what the average over many examples leaves. As the refined action is 
 learned from, the inverse model comes to say it by itself.
 """
 
+import numpy as np
+
 from bha_goal_babbling.arrays import FloatArray
 from bha_goal_babbling.babbler_config import GoalBabblerConfig
 from bha_goal_babbling.errors import InvalidConfigError
@@ -58,13 +60,34 @@ class BodyModel:
         """What readings of the action are off by [action unit], shape (m,)."""
         return self._offsets.values * self._action_scale
 
-    def refine(self, action: FloatArray, goal: FloatArray) -> FloatArray:
-        """Return an action near a given one, shape (m,), that brings a goal, shape (n,)."""
+    def refine(
+        self,
+        action: FloatArray,
+        goal: FloatArray,
+        low: FloatArray | None = None,
+        high: FloatArray | None = None,
+    ) -> FloatArray:
+        """Return an action near a given one, shape (m,), that brings a goal, shape (n,).
+
+        Parameters
+        ----------
+        action, goal : array
+            Where to begin, and the goal.
+        low, high : array, optional
+            Ends that were found just now, shape (m,): they hold in place of what was learned.
+        """
         goal = goal / self._outcome_scale
         scaled = action / self._action_scale
-        return self._action_scale * refined(
-            scaled, goal, self._forward, *self._range.at(goal), _REACH
-        )
+        lowest, highest = self._range.at(goal)
+        if low is not None:
+            lowest = np.maximum(lowest, low / self._action_scale)
+        if high is not None:
+            highest = np.minimum(highest, high / self._action_scale)
+        # An end found just now is nearer to the truth than one that was learned.
+        if low is not None:
+            highest = np.maximum(highest, lowest)
+        lowest = np.minimum(lowest, highest)
+        return self._action_scale * refined(scaled, goal, self._forward, lowest, highest, _REACH)
 
     def predict(self, action: FloatArray) -> FloatArray:
         """Return the outcome, shape (n,), of an action without offsets, shape (m,)."""

@@ -227,20 +227,25 @@ class GoalBabbler:
         outcome = vector("outcome", outcome, self._home_outcome.size)
         self._knowledge.learn(action, outcome, None, None)
 
-    def inverse(self, goal: ArrayLike) -> FloatArray:
+    def inverse(
+        self, goal: ArrayLike, low: FloatArray | None = None, high: FloatArray | None = None
+    ) -> FloatArray:
         """Return g(x*), refined where there is a body model, without noise, within the limits.
 
         Parameters
         ----------
         goal : array_like
             One goal, shape (n,), or many, shape (N, n), in the unit of outcomes.
+        low, high : array, optional
+            Ends to which actions were seen to come just now, shape (m,), for one goal; a body
+            model lets other entries make up for them.
 
         Returns
         -------
         array
             One action, shape (m,), or many, shape (N, m).
         """
-        return self._knowledge.inverse(goal)
+        return self._knowledge.inverse(goal, low, high)
 
     def state(self) -> SavedState:
         """Return everything that `restore` needs, the state of the generator included."""
@@ -312,4 +317,5 @@ class GoalBabbler:
             self._home_outcome,
             config.goal_candidates,
             config.abort_distance,
+            config.stay_steps,
         )

@@ -59,21 +59,45 @@ class Knowledge:
         """The inverse model, in scaled units."""
         return self._learned.model
 
-    def solution(self, goal: FloatArray) -> FloatArray:
-        """Return the action, shape (m,), that is to bring a goal, shape (n,)."""
+    def solution(
+        self, goal: FloatArray, low: FloatArray | None = None, high: FloatArray | None = None
+    ) -> FloatArray:
+        """Return the action, shape (m,), that is to bring a goal, shape (n,).
+
+        Parameters
+        ----------
+        goal : array
+            The goal.
+        low, high : array, optional
+            Lowest and highest readings that can be had now, shape (m,), if more is known of them
+            than was learned.
+        """
         action = self._learned.predict(goal)
-        return action if self._body is None else self._body.refine(action, goal)
+        if self._body is None:
+            return action
+        offsets = self._body.offsets
+        return self._body.refine(
+            action,
+            goal,
+            None if low is None else low - offsets,
+            None if high is None else high - offsets,
+        )
 
     def reading(self, action: FloatArray) -> FloatArray:
         """Return what sensors are to read of actions, shape (..., m), within the limits."""
         reading = action if self._body is None else action + self._body.offsets
         return np.minimum(np.maximum(reading, self._low), self._high)
 
-    def inverse(self, goal: ArrayLike) -> FloatArray:
-        """Return what sensors are to read for one goal, shape (n,), or for many, shape (N, n)."""
+    def inverse(
+        self, goal: ArrayLike, low: FloatArray | None = None, high: FloatArray | None = None
+    ) -> FloatArray:
+        """Return what sensors are to read for one goal, shape (n,), or for many, shape (N, n).
+
+        The ends are those of `solution`; they go with one goal.
+        """
         n = self.outcome.size
         if np.ndim(goal) == 1:
-            return self.reading(self.solution(vector("goal", goal, n)))
+            return self.reading(self.solution(vector("goal", goal, n), low, high))
         goals = matrix("goal", goal, n)
         if self._body is None:
             return self.reading(self._learned.predict_many(goals))

@@ -12,6 +12,7 @@ import numpy as np
 from bha_goal_babbling.arrays import FloatArray
 from bha_goal_babbling.babbling_session import BabblingSession
 from bha_goal_babbling.errors import GoalBabblingError
+from bha_goal_babbling.found_ends import FoundEnds
 from bha_goal_babbling.goal_babbler import GoalBabbler
 from bha_goal_babbling.learner_settings import LearnerSettings
 from bha_goal_babbling.observation_window import Observation, ObservationWindow
@@ -57,6 +58,7 @@ class Learner:
         self._session: BabblingSession | None = None
         self._reach: Reach | None = None
         self._practice = Practice(task, settings)
+        self._ends = FoundEnds(task.home_action.size)
         self._goal: FloatArray | None = None
         self._command: FloatArray | None = None
         self._stopped = False
@@ -191,6 +193,7 @@ class Learner:
         for name, value in (("tolerance", tolerance), ("timeout", timeout)):
             if not (math.isfinite(value) and value >= 0.0):
                 raise RefusedError(f"{name} must be 0 or above, got {value}")
+        self._ends.begin(goal)
         self._command = self._inverse(goal)
         self._resting = self.HOLDING
         self._practice.begin()
@@ -215,6 +218,7 @@ class Learner:
         reason = self.task.why_refused(goal, _TARGET_MARGIN)
         if reason is not None:
             raise RefusedError(f"the target is refused: {reason}")
+        self._ends.follow(goal)
         command = self._inverse(goal)
         self._reach = None
         self._goal = goal
@@ -288,6 +292,11 @@ class Learner:
         """Watch a robot that moves to goals of others, and learn from it when that is wanted."""
         if self.settings.learn_in_use and self.babbler is not None and not self._stopped:
             self._practice.see(self.babbler, observation)
+        if self._goal is not None and self._command is not None:
+            found = self._ends.see(self._command, observation.lengths)
+            if found and self._reach is not None:
+                self._command = self._inverse(self._goal)
+                self._reach.moves_on()
         if self._reach is not None:
             self._reach.update(observation.tip)
             if self._reach.result is not None:
@@ -302,7 +311,7 @@ class Learner:
     def _inverse(self, goal: FloatArray) -> FloatArray:
         if self.babbler is None:
             raise RefusedError("nothing is learned yet: babble first, or load a model")
-        return self.babbler.inverse(goal)
+        return self.babbler.inverse(goal, self._ends.low, self._ends.high)
 
     def _check_free(self) -> None:
         reason = self._why_busy()

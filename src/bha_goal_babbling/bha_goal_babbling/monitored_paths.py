@@ -31,6 +31,9 @@ class MonitoredGoalPaths:
     abort_distance : float or None
         Distance between target and outcome from which on a path is given up, in the unit of
         outcomes; None never gives up.
+    stay : int
+        Number of steps for which a goal stays the target after a path has come to it: a robot
+        that lags behind gets there, and its error is told of the goal itself.
     """
 
     kind = "monitored_goal_paths"
@@ -42,6 +45,7 @@ class MonitoredGoalPaths:
         home_outcome: ArrayLike,
         candidates: int = 3,
         abort_distance: float | None = None,
+        stay: int = 0,
     ) -> None:
         self._goals = matrix("goals", goals)
         if len(self._goals) < 2:
@@ -53,7 +57,7 @@ class MonitoredGoalPaths:
         self._choice = LargestErrorChoice(candidates)
         self._candidates = candidates
         self._abort_distance = abort_distance
-        self._walk = StraightWalk(self.size, steps)
+        self._walk = StraightWalk(self.size, steps, stay)
         self._aborted = False
 
     @property

@@ -99,6 +99,10 @@ class Reach:
         else:
             self._elapsed += 1
 
+    def moves_on(self) -> None:
+        """Take note that the robot was sent on: it is not at rest, even if it was."""
+        self._trail.clear()
+
     def _at_rest(self) -> bool:
         if len(self._trail) != self._trail.maxlen:
             return False

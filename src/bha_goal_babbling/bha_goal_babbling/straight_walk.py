@@ -41,18 +41,24 @@ class StraightWalk:
         Number n of coordinates of a point.
     steps : int
         Number L of steps of a movement, at least 1.
+    stay : int
+        Number of further steps for which its goal stays the target.
     """
 
-    def __init__(self, size: int, steps: int) -> None:
+    def __init__(self, size: int, steps: int, stay: int = 0) -> None:
         if steps < 1:
             raise InvalidConfigError(f"a movement needs at least 1 step, got {steps}")
+        if stay < 0:
+            raise InvalidConfigError(f"a movement cannot stay for {stay} steps")
         self._steps = steps
+        self._stay = stay
         self._path = np.empty((0, size))
         self._next = 0
 
     def begin(self, start: FloatArray, goal: FloatArray) -> None:
         """Walk from a point to a goal, shapes (n,)."""
-        self._path = straight_line(start, goal, self._steps)
+        line = straight_line(start, goal, self._steps)
+        self._path = np.vstack([line, np.tile(line[-1], (self._stay, 1))])
         self._next = 0
 
     @property
@@ -68,7 +74,7 @@ class StraightWalk:
         return point
 
     def advance(self) -> bool:
-        """Go on to the next step and return whether the goal was the last."""
+        """Go on to the next step and return whether the last one is over."""
         self._next += 1
         return self._next == len(self._path)
 
@@ -78,13 +84,18 @@ class StraightWalk:
         """Return the snapshot of what walks: its own arrays and settings and, in them, the walk."""
         return SavedState(
             {**arrays, "path": self._path.copy()},
-            {**(settings or {}), "steps": self._steps, "next": self._next},
+            {
+                **(settings or {}),
+                "steps": self._steps,
+                "stay": self._stay,
+                "next": self._next,
+            },
         )
 
     @classmethod
     def restored_from(cls, state: SavedState, size: int) -> "StraightWalk":
         """Return the walk that `saved_in` has put into a snapshot."""
-        walk = cls(size, int(state.settings["steps"]))
+        walk = cls(size, int(state.settings["steps"]), int(state.settings["stay"]))
         walk._path = matrix_or_empty("path", state.arrays["path"], size)
         walk._next = int(state.settings["next"])
         if not 0 <= walk._next <= len(walk._path):

@@ -164,10 +164,10 @@ def test_a_pause_is_passed_on_to_the_body() -> None:
     babble(arm, babbler, 50)
     asked, answers = babbler.ask(), babbler.inverse(arm.goal_grid())
     before = babbler.state().arrays
-    assert (len(before["body_forward_history"]), len(before["body_range_commands"])) == (2, 4)
+    assert (len(before["body_forward_history"]), len(before["body_range_watch_commands"])) == (2, 4)
     babbler.pause()
     after = babbler.state().arrays
-    assert (len(after["body_forward_history"]), len(after["body_range_commands"])) == (0, 0)
+    assert (len(after["body_forward_history"]), len(after["body_range_watch_commands"])) == (0, 0)
     np.testing.assert_array_equal(babbler.ask(), asked)
     np.testing.assert_array_equal(babbler.inverse(arm.goal_grid()), answers)
 
@@ -185,10 +185,13 @@ def test_samples_that_are_not_trusted_teach_the_body_nothing() -> None:
     for _ in range(20):
         babbler.ask()
         babbler.tell(np.full(5, 2.0), np.ones(2), learn=False)
-    under_way = {"forward_history", "range_commands", "range_action"}
+    under_way = {"forward_history", "range_watch_commands", "range_watch_action"}
     for name in before.arrays.keys() - under_way:
         np.testing.assert_array_equal(before.arrays[name], body().arrays[name])
-    assert (len(body().arrays["forward_history"]), len(body().arrays["range_commands"])) == (0, 0)
+    assert (len(body().arrays["forward_history"]), len(body().arrays["range_watch_commands"])) == (
+        0,
+        0,
+    )
     np.testing.assert_array_equal(babbler.inverse(goals), answers)
     babbler.ask()
     babbler.tell(np.full(5, 2.0), np.ones(2))

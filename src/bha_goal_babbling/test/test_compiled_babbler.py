@@ -145,6 +145,7 @@ def test_refuses_what_does_not_fit_together() -> None:
         {"model": "recursive_maps"},
         {"goal_candidates": 3},
         {"abort_distance": 0.1},
+        {"stay_steps": 1},
         {"noise_per_error": 0.3},
         {"forward_model": "polynomial"},
     ],

@@ -44,6 +44,7 @@ class Robot:
         self.learner = Learner(settings, task, babbler)
         self.time = 0
         self.lengths = np.full(9, 0.19)
+        self.longest = np.full(9, np.inf)
         self.tracked = True
         self.follows = True
         self.commands: list[FloatArray] = []
@@ -59,7 +60,7 @@ class Robot:
             assert command is not None
             self.commands.append(command.copy())
             if self.follows:
-                self.lengths = self.commands[-1]
+                self.lengths = np.minimum(self.commands[-1], self.longest)
         return self.commands[-1]
 
     def babble(self, duration: float, **options: Any) -> int:
@@ -84,6 +85,25 @@ def taught(seconds: float = 60.0) -> Robot:
     robot = Robot()
     robot.babble(seconds)
     return robot
+
+
+def distance(lengths: FloatArray, goal: FloatArray) -> float:
+    """Return how far from a goal a robot of these lengths is, aside [m]."""
+    return float(np.linalg.norm(tip_of(lengths)[:2] - goal[:2]))
+
+
+def shortened(**changes: Any) -> tuple[Robot, FloatArray]:
+    """Return a taught robot, one bellows of which now ends short of what `GOAL` takes.
+
+    Also the lengths (9,) [m] at which it ends when the others do not make up for that.
+    """
+    robot = Robot(**changes)
+    robot.babble(1200.0)
+    assert robot.learner.babbler is not None
+    wanted = robot.learner.babbler.inverse(GOAL[:2])
+    longest = int(wanted.argmax())
+    robot.longest[longest] = wanted[longest] - 0.04
+    return robot, np.minimum(wanted, robot.longest)
 
 
 class TestIdle:
@@ -353,6 +373,26 @@ class TestGoals:
         robot.end(robot.learner.go_to(GOAL))
         np.testing.assert_array_equal(robot.learner.babbler.inverse(TASK.goals()), before)
 
+    def test_others_make_up_for_a_bellows_that_ends_short(self) -> None:
+        """By lengths alone: the tip is not seen, and nothing is learned."""
+        robot, alone = shortened()
+        assert robot.learner.babbler is not None
+        before = robot.learner.babbler.inverse(TASK.goals())
+        robot.tracked = False
+        robot.end(robot.learner.go_to(GOAL))
+        assert np.abs(robot.commands[-1] - robot.lengths).max() < 0.004
+        assert distance(robot.lengths, GOAL) < 0.02
+        assert distance(alone, GOAL) > 0.03
+        np.testing.assert_array_equal(robot.learner.babbler.inverse(TASK.goals()), before)
+
+    def test_a_robot_that_comes_to_an_end_is_not_at_rest_yet(self) -> None:
+        robot, _ = shortened(rest_time=1.0)
+        movement = robot.learner.go_to(GOAL)
+        robot.end(movement)
+        assert movement.result is not None
+        assert movement.result.settled
+        assert movement.result.error < 0.02
+
     def test_a_new_goal_takes_over(self) -> None:
         robot = taught()
         first = robot.learner.go_to(GOAL)
@@ -451,6 +491,17 @@ class TestFollow:
         robot.learner.follow(-GOAL)
         assert robot.learner.reach is None
         assert movement.result is None
+
+    def test_ends_that_were_found_on_the_way_count_for_targets_near_the_goal(self) -> None:
+        robot, _ = shortened()
+        robot.end(robot.learner.go_to(GOAL))
+        for target in (GOAL, GOAL + np.array([0.01, 0.0, 0.0])):
+            robot.learner.follow(target)
+            assert (robot.step() <= robot.longest + 1e-9).all()
+        robot.learner.follow(-GOAL)
+        robot.step(10)
+        robot.learner.follow(GOAL)
+        assert (robot.step() > robot.longest + 0.01).any()
 
     def test_takes_targets_a_little_outside(self) -> None:
         """So that feedback reaches the edge: corrections may be 15 cm."""

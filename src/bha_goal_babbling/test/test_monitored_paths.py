@@ -43,6 +43,17 @@ def test_a_path_on_track_ends_at_its_goal() -> None:
     assert np.count_nonzero(source.errors != before) == 1
 
 
+def test_it_may_stay_at_its_goal() -> None:
+    """The error is that of the last step there."""
+    source = MonitoredGoalPaths(GOALS, 5, HOME, 1, None, stay=3)
+    source.begin(HOME, HOME, np.random.default_rng(0))
+    misses = np.linspace(0.8, 0.1, 8)
+    for number, miss in enumerate(misses):
+        over = source.advance(STILL, source.target() + np.array([0.0, miss]))
+        assert over == (number == 7)
+    assert source.goal_error == pytest.approx(0.1)
+
+
 @pytest.mark.parametrize(("miss", "steps"), [(0.5 - 1e-9, 5), (0.5 + 1e-9, 1)])
 def test_a_path_is_given_up_beyond_the_distance(miss: float, steps: int) -> None:
     source = paths()

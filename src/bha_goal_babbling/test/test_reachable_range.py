@@ -99,31 +99,6 @@ def test_a_reading_that_keeps_still_is() -> None:
     np.testing.assert_allclose(low, [-2.0, -2.0, -0.4], atol=1e-4)
 
 
-@pytest.mark.parametrize("direction", [1.0, -1.0])
-def test_a_command_is_given_time(direction: float) -> None:
-    """A reading still at an older command is not stuck until four commands have passed."""
-    ranges = ReachableRange(HOME, LOW, HIGH, MARGIN)
-    rest, away = np.zeros(3), np.full(3, direction)
-    for _ in range(10):
-        ranges.learn(rest, rest, HOME)
-    for _ in range(3):
-        ranges.learn(away, rest, HOME)
-        np.testing.assert_array_equal(ranges.at(HOME), [LOW, HIGH])
-    ranges.learn(away, rest, HOME)
-    low, high = ranges.at(HOME)
-    assert ((high < HIGH) if direction > 0 else (low > LOW)).all()
-
-
-def test_a_pause_begins_anew() -> None:
-    """After it the robot may be anywhere: four commands pass before anything is stuck."""
-    ranges = ReachableRange(HOME, LOW, HIGH, MARGIN)
-    for _ in range(20):
-        for _ in range(3):
-            ranges.learn(np.ones(3), np.zeros(3), HOME)
-        ranges.pause()
-    np.testing.assert_array_equal(ranges.at(HOME), [LOW, HIGH])
-
-
 finite = st.floats(-10, 10)
 
 
@@ -172,11 +147,7 @@ def test_continues_bit_for_bit(samples: int) -> None:
         {"low": np.zeros((3, 2))},
         {"low": np.zeros((4, 3))},
         {"high": np.full((3, 3), np.nan)},
-        {"commands": np.zeros((2, 4))},
-        {"commands": np.zeros((5, 3))},
-        {"commands": np.full((2, 3), np.nan)},
-        {"action": np.zeros(4)},
-        {"action": np.zeros((3, 1))},
+        {"watch_action": np.zeros(4)},
     ],
     ids=lambda broken: f"{next(iter(broken))}-{np.shape(next(iter(broken.values())))}",
 )

@@ -1,0 +1,51 @@
+"""Ends of bellows' ranges that are found on the way to a goal."""
+
+import numpy as np
+
+from bha_goal_babbling.arrays import FloatArray
+from bha_goal_babbling.stuck_watch import StuckWatch
+
+_MARGIN = 0.004
+"""How far short of its command a length that keeps still has come to an end [m]."""
+_NEAR = 0.1
+"""How far from the goal on whose way they were found ends still count [m]."""
+
+
+class FoundEnds:
+    """Lowest and highest lengths that can be had where the robot is.
+
+    A length that stays short of its command shows an end that learning has not found yet, or one
+    that moved since. The others can make up for it, see `GoalBabbler.inverse`. Lengths and
+    commands tell it alone, so the movement stays feed-forward: nothing is corrected by the tip.
+
+    Parameters
+    ----------
+    size : int
+        Number m of lengths.
+    """
+
+    def __init__(self, size: int) -> None:
+        self._watch = StuckWatch(size, _MARGIN)
+        self._goal: FloatArray | None = None
+        self.low: FloatArray = np.full(size, -np.inf)
+        self.high: FloatArray = np.full(size, np.inf)
+
+    def see(self, command: FloatArray, lengths: FloatArray) -> bool:
+        """Take commanded and measured lengths (m,) [m]; whether they show a new end."""
+        at_low, at_high = self._watch.see(command, lengths)
+        # A length that went further has shown that the end is not there.
+        self.low = np.where(at_low, lengths, np.minimum(self.low, lengths))
+        self.high = np.where(at_high, lengths, np.maximum(self.high, lengths))
+        return bool(at_low.any() or at_high.any())
+
+    def begin(self, goal: FloatArray) -> None:
+        """Forget what was found: the robot is to go to a goal (n,) [m]."""
+        self._goal = goal
+        self._watch.pause()
+        self.low = np.full_like(self.low, -np.inf)
+        self.high = np.full_like(self.high, np.inf)
+
+    def follow(self, goal: FloatArray) -> None:
+        """Keep what was found if a goal (n,) [m] is near the one at which it began."""
+        if self._goal is None or np.linalg.norm(goal - self._goal) > _NEAR:
+            self.begin(goal)

@@ -1,0 +1,61 @@
+"""Ends that show on the way to a goal, and how long they count."""
+
+import numpy as np
+
+from bha_goal_babbling.arrays import FloatArray
+from bha_goal_babbling.found_ends import FoundEnds
+
+COMMAND = np.array([0.20, 0.30, 0.10])
+GOAL = np.array([0.2, -0.1])
+
+
+def found_at(*lengths: float, times: int = 10) -> FoundEnds:
+    """Return what is known once the robot has stayed at some lengths [m]."""
+    ends = FoundEnds(3)
+    ends.begin(GOAL)
+    for _ in range(times):
+        ends.see(COMMAND, np.array(lengths))
+    return ends
+
+
+def known(ends: FoundEnds) -> list[FloatArray]:
+    return [ends.low, ends.high]
+
+
+NOTHING = [[-np.inf] * 3, [np.inf] * 3]
+
+
+def test_a_length_that_stays_short_of_its_command_shows_an_end() -> None:
+    ends = found_at(0.201, 0.28, 0.12)
+    np.testing.assert_array_equal(known(ends), [[-np.inf, -np.inf, 0.12], [np.inf, 0.28, np.inf]])
+    assert ends.see(COMMAND, np.array([0.201, 0.28, 0.12]))
+
+
+def test_lengths_that_follow_show_none() -> None:
+    ends = found_at(0.201, 0.298, 0.102)
+    np.testing.assert_array_equal(known(ends), NOTHING)
+    assert not ends.see(COMMAND, np.array([0.201, 0.298, 0.102]))
+
+
+def test_a_length_that_goes_further_moves_the_end() -> None:
+    ends = found_at(0.201, 0.28, 0.12)
+    ends.see(COMMAND, np.array([0.201, 0.29, 0.11]))
+    np.testing.assert_array_equal(known(ends), [[-np.inf, -np.inf, 0.11], [np.inf, 0.29, np.inf]])
+
+
+def test_they_count_near_the_goal_and_are_forgotten_elsewhere() -> None:
+    ends = found_at(0.20, 0.28, 0.10)
+    for step in (0.03, 0.06, 0.09):
+        ends.follow(GOAL + np.array([step, 0.0]))
+        assert ends.high[1] == 0.28
+    ends.follow(GOAL + np.array([0.11, 0.0]))
+    np.testing.assert_array_equal(known(ends), NOTHING)
+
+
+def test_a_new_goal_begins_anew() -> None:
+    """What was commanded for the one before is forgotten, too."""
+    ends = found_at(0.20, 0.28, 0.10)
+    ends.begin(GOAL)
+    np.testing.assert_array_equal(known(ends), NOTHING)
+    for _ in range(3):
+        assert not ends.see(COMMAND, np.array([0.20, 0.28, 0.10]))
