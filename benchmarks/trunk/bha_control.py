@@ -168,7 +168,7 @@ def _bounds(models: list[Figures], responses: list[Figures], ages: list[Figures]
             min(each["certain"] for each in held),
         ),
         Bound.at_least(
-            "fits on 30 samples or a third in which the unconstrained ELM violates a constraint [%]",
+            "unconstrained ELMs on 30 samples or a third that violate a constraint [%]",
             100.0,
             1e2 * mean(float(each["falling"] + each["outside"] > 0.0) for each in usual),
         ),

@@ -20,6 +20,8 @@ from bha_goal_babbling.practice import Practice
 from bha_goal_babbling.reach import Reach
 from bha_goal_babbling.task import Task
 
+_SENT_ON = 1e-3
+"""Change of a command below which the robot stays where it is, at an end or not [m]."""
 _TARGET_MARGIN = 0.2
 """How far outside of the task's region a target may lie [m]: feedback corrects by 0.15 m."""
 
@@ -292,15 +294,22 @@ class Learner:
         """Watch a robot that moves to goals of others, and learn from it when that is wanted."""
         if self.settings.learn_in_use and self.babbler is not None and not self._stopped:
             self._practice.see(self.babbler, observation)
-        if self._goal is not None and self._command is not None:
-            found = self._ends.see(self._command, observation.lengths)
-            if found and self._reach is not None:
-                self._command = self._inverse(self._goal)
-                self._reach.moves_on()
+        self._make_up_for_ends(observation.lengths)
         if self._reach is not None:
             self._reach.update(observation.tip)
             if self._reach.result is not None:
                 self._reach = None
+
+    def _make_up_for_ends(self, lengths: FloatArray) -> None:
+        """Let other lengths make up for those that have come to an end on the way to a goal."""
+        if self._goal is None or self._command is None:
+            return
+        if not self._ends.see(self._command, lengths) or self._reach is None:
+            return  # targets are solved anew all the time
+        command = self._inverse(self._goal)
+        if np.abs(command - self._command).max() > _SENT_ON:
+            self._command = command
+            self._reach.moves_on()
 
     def _end_session(self) -> None:
         self._session = None

@@ -393,6 +393,17 @@ class TestGoals:
         assert movement.result.settled
         assert movement.result.error < 0.02
 
+    def test_without_a_body_model_it_rests_at_the_end(self) -> None:
+        """Nothing makes up for it, and nobody waits for that."""
+        robot = Robot(task=PLAIN)
+        robot.babble(600.0)
+        robot.longest[:] = 0.2
+        movement = robot.learner.go_to(GOAL)
+        robot.end(movement)
+        assert (robot.commands[-1] > 0.21).any()
+        assert movement.result is not None
+        assert movement.result.settled
+
     def test_a_new_goal_takes_over(self) -> None:
         robot = taught()
         first = robot.learner.go_to(GOAL)
