@@ -64,8 +64,8 @@ class BodyModel:
         self,
         action: FloatArray,
         goal: FloatArray,
-        low: FloatArray | None = None,
-        high: FloatArray | None = None,
+        low: FloatArray | float = -np.inf,
+        high: FloatArray | float = np.inf,
     ) -> FloatArray:
         """Return an action near a given one, shape (m,), that brings a goal, shape (n,).
 
@@ -74,20 +74,13 @@ class BodyModel:
         action, goal : array
             Where to begin, and the goal.
         low, high : array, optional
-            Ends that were found just now, shape (m,): they hold in place of what was learned.
+            Ends that were found just now, shape (m,): what was learned of ends gives way to them.
         """
         goal = goal / self._outcome_scale
         scaled = action / self._action_scale
-        lowest, highest = self._range.at(goal)
-        if low is not None:
-            lowest = np.maximum(lowest, low / self._action_scale)
-        if high is not None:
-            highest = np.minimum(highest, high / self._action_scale)
-        # An end found just now is nearer to the truth than one that was learned.
-        if low is not None:
-            highest = np.maximum(highest, lowest)
-        lowest = np.minimum(lowest, highest)
-        return self._action_scale * refined(scaled, goal, self._forward, lowest, highest, _REACH)
+        found = low / self._action_scale, high / self._action_scale
+        ends = [np.clip(end, *found) for end in self._range.at(goal)]
+        return self._action_scale * refined(scaled, goal, self._forward, ends[0], ends[1], _REACH)
 
     def predict(self, action: FloatArray) -> FloatArray:
         """Return the outcome, shape (n,), of an action without offsets, shape (m,)."""

@@ -228,7 +228,10 @@ class GoalBabbler:
         self._knowledge.learn(action, outcome, None, None)
 
     def inverse(
-        self, goal: ArrayLike, low: FloatArray | None = None, high: FloatArray | None = None
+        self,
+        goal: ArrayLike,
+        low: FloatArray | float = -np.inf,
+        high: FloatArray | float = np.inf,
     ) -> FloatArray:
         """Return g(x*), refined where there is a body model, without noise, within the limits.
 

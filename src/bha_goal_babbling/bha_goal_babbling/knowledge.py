@@ -60,7 +60,10 @@ class Knowledge:
         return self._learned.model
 
     def solution(
-        self, goal: FloatArray, low: FloatArray | None = None, high: FloatArray | None = None
+        self,
+        goal: FloatArray,
+        low: FloatArray | float = -np.inf,
+        high: FloatArray | float = np.inf,
     ) -> FloatArray:
         """Return the action, shape (m,), that is to bring a goal, shape (n,).
 
@@ -76,12 +79,7 @@ class Knowledge:
         if self._body is None:
             return action
         offsets = self._body.offsets
-        return self._body.refine(
-            action,
-            goal,
-            None if low is None else low - offsets,
-            None if high is None else high - offsets,
-        )
+        return self._body.refine(action, goal, low - offsets, high - offsets)
 
     def reading(self, action: FloatArray) -> FloatArray:
         """Return what sensors are to read of actions, shape (..., m), within the limits."""
@@ -89,7 +87,10 @@ class Knowledge:
         return np.minimum(np.maximum(reading, self._low), self._high)
 
     def inverse(
-        self, goal: ArrayLike, low: FloatArray | None = None, high: FloatArray | None = None
+        self,
+        goal: ArrayLike,
+        low: FloatArray | float = -np.inf,
+        high: FloatArray | float = np.inf,
     ) -> FloatArray:
         """Return what sensors are to read for one goal, shape (n,), or for many, shape (N, n).
 

@@ -52,6 +52,29 @@ def test_knows_nothing_at_first() -> None:
     np.testing.assert_array_equal(model.offsets, np.zeros(5))
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_ends_that_were_found_hold_and_the_others_make_up_for_them(side: float) -> None:
+    model = taught(NO_OFFSETS)
+    angles = HOME + np.array([0.2, 0.2, -0.1, 0.1, 0.0])
+    goal = ARM.forward(angles)
+    low, high = np.full(5, -np.inf), np.full(5, np.inf)
+    (high if side > 0 else low)[1] = angles[1] - 0.1 * side
+    answer = model.refine(angles, goal, low, high)
+    assert side * answer[1] <= side * (angles[1] - 0.1 * side) + 1e-12
+    assert np.linalg.norm(ARM.forward(answer) - goal) < 0.005
+    cut = np.clip(angles, low, high)
+    assert np.linalg.norm(ARM.forward(cut) - goal) > 0.03
+
+
+def test_learned_ends_give_way_to_those_that_were_found() -> None:
+    """Even where they contradict each other."""
+    model = body()
+    for side in (-1.0, 1.0):
+        beyond = np.full(5, 4.0 * side)
+        low, high = (beyond, np.full(5, np.inf)) if side > 0 else (np.full(5, -np.inf), beyond)
+        np.testing.assert_allclose(model.refine(HOME, TIP, low, high), beyond)
+
+
 def test_refines_to_the_goal() -> None:
     """What an inverse model misses by centimetres is met to a millimetre or two."""
     model, rng = taught(NO_OFFSETS), np.random.default_rng(1)
