@@ -18,6 +18,9 @@ class FoundEnds:
     that moved since. The others can make up for it, see `GoalBabbler.inverse`. Lengths and
     commands tell it alone, so the movement stays feed-forward: nothing is corrected by the tip.
 
+    A robot of which more than half of the lengths stay short is not at its ends, it is not driven:
+    then all ends are given up until the next goal.
+
     Parameters
     ----------
     size : int
@@ -27,25 +30,36 @@ class FoundEnds:
     def __init__(self, size: int) -> None:
         self._watch = StuckWatch(size, _MARGIN)
         self._goal: FloatArray | None = None
+        self.given_up = False
         self.low: FloatArray = np.full(size, -np.inf)
         self.high: FloatArray = np.full(size, np.inf)
 
     def see(self, command: FloatArray, lengths: FloatArray) -> bool:
-        """Take commanded and measured lengths (m,) [m]; whether they show a new end."""
+        """Take commanded and measured lengths (m,) [m]; whether they change what is known."""
         at_low, at_high = self._watch.see(command, lengths)
+        if self.given_up:
+            return False
         # A length that went further has shown that the end is not there.
         self.low = np.where(at_low, lengths, np.minimum(self.low, lengths))
         self.high = np.where(at_high, lengths, np.maximum(self.high, lengths))
-        return bool(at_low.any() or at_high.any())
+        known = np.isfinite(self.low) | np.isfinite(self.high)
+        if 2 * np.count_nonzero(known) > known.size:
+            self._forget()
+            self.given_up = True
+        return self.given_up or bool(at_low.any() or at_high.any())
 
     def begin(self, goal: FloatArray) -> None:
         """Forget what was found: the robot is to go to a goal (n,) [m]."""
         self._goal = goal
         self._watch.pause()
-        self.low = np.full_like(self.low, -np.inf)
-        self.high = np.full_like(self.high, np.inf)
+        self._forget()
+        self.given_up = False
 
     def follow(self, goal: FloatArray) -> None:
         """Keep what was found if a goal (n,) [m] is near the one at which it began."""
         if self._goal is None or np.linalg.norm(goal - self._goal) > _NEAR:
             self.begin(goal)
+
+    def _forget(self) -> None:
+        self.low = np.full_like(self.low, -np.inf)
+        self.high = np.full_like(self.high, np.inf)

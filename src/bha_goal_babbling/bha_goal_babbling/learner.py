@@ -304,12 +304,15 @@ class Learner:
         """Let other lengths make up for those that have come to an end on the way to a goal."""
         if self._goal is None or self._command is None:
             return
-        if not self._ends.see(self._command, lengths) or self._reach is None:
-            return  # targets are solved anew all the time
+        if not self._ends.see(self._command, lengths):
+            return
+        if self._reach is None and not self._ends.given_up:
+            return  # a posture is held; targets are solved anew all the time
         command = self._inverse(self._goal)
         if np.abs(command - self._command).max() > _SENT_ON:
             self._command = command
-            self._reach.moves_on()
+            if self._reach is not None:
+                self._reach.moves_on()
 
     def _end_session(self) -> None:
         self._session = None

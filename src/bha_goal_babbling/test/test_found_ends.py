@@ -5,16 +5,17 @@ import numpy as np
 from bha_goal_babbling.arrays import FloatArray
 from bha_goal_babbling.found_ends import FoundEnds
 
-COMMAND = np.array([0.20, 0.30, 0.10])
+REST = [0.2, 0.2]
+COMMAND = np.array([0.20, 0.30, 0.10, *REST])
 GOAL = np.array([0.2, -0.1])
 
 
 def found_at(*lengths: float, times: int = 10) -> FoundEnds:
     """Return what is known once the robot has stayed at some lengths [m]."""
-    ends = FoundEnds(3)
+    ends = FoundEnds(5)
     ends.begin(GOAL)
     for _ in range(times):
-        ends.see(COMMAND, np.array(lengths))
+        ends.see(COMMAND, np.array([*lengths, *REST]))
     return ends
 
 
@@ -22,25 +23,29 @@ def known(ends: FoundEnds) -> list[FloatArray]:
     return [ends.low, ends.high]
 
 
-NOTHING = [[-np.inf] * 3, [np.inf] * 3]
+NOTHING = [[-np.inf] * 5, [np.inf] * 5]
 
 
 def test_a_length_that_stays_short_of_its_command_shows_an_end() -> None:
     ends = found_at(0.201, 0.28, 0.12)
-    np.testing.assert_array_equal(known(ends), [[-np.inf, -np.inf, 0.12], [np.inf, 0.28, np.inf]])
-    assert ends.see(COMMAND, np.array([0.201, 0.28, 0.12]))
+    np.testing.assert_array_equal(
+        known(ends), [[-np.inf, -np.inf, 0.12, -np.inf, -np.inf], [np.inf, 0.28, *3 * [np.inf]]]
+    )
+    assert ends.see(COMMAND, np.array([0.201, 0.28, 0.12, *REST]))
 
 
 def test_lengths_that_follow_show_none() -> None:
     ends = found_at(0.201, 0.298, 0.102)
     np.testing.assert_array_equal(known(ends), NOTHING)
-    assert not ends.see(COMMAND, np.array([0.201, 0.298, 0.102]))
+    assert not ends.see(COMMAND, np.array([0.201, 0.298, 0.102, *REST]))
 
 
 def test_a_length_that_goes_further_moves_the_end() -> None:
     ends = found_at(0.201, 0.28, 0.12)
-    ends.see(COMMAND, np.array([0.201, 0.29, 0.11]))
-    np.testing.assert_array_equal(known(ends), [[-np.inf, -np.inf, 0.11], [np.inf, 0.29, np.inf]])
+    ends.see(COMMAND, np.array([0.201, 0.29, 0.11, *REST]))
+    np.testing.assert_array_equal(
+        known(ends), [[-np.inf, -np.inf, 0.11, -np.inf, -np.inf], [np.inf, 0.29, *3 * [np.inf]]]
+    )
 
 
 def test_they_count_near_the_goal_and_are_forgotten_elsewhere() -> None:
@@ -58,4 +63,17 @@ def test_a_new_goal_begins_anew() -> None:
     ends.begin(GOAL)
     np.testing.assert_array_equal(known(ends), NOTHING)
     for _ in range(3):
-        assert not ends.see(COMMAND, np.array([0.20, 0.28, 0.10]))
+        assert not ends.see(COMMAND, np.array([0.20, 0.28, 0.10, *REST]))
+
+
+def test_a_robot_that_is_not_driven_is_at_no_end() -> None:
+    """Whatever it had found before; until it is to go elsewhere."""
+    ends = found_at(0.20, 0.28, 0.10)
+    vented = np.array([0.17, 0.17, 0.10, 0.17, 0.17])
+    changed = [ends.see(COMMAND, vented) for _ in range(10)]
+    assert any(changed)
+    assert not any(changed[-5:])
+    assert ends.given_up
+    np.testing.assert_array_equal(known(ends), NOTHING)
+    ends.begin(GOAL)
+    assert not ends.given_up

@@ -393,6 +393,16 @@ class TestGoals:
         assert movement.result.settled
         assert movement.result.error < 0.02
 
+    def test_a_robot_that_is_not_driven_goes_on_where_it_was_sent(self) -> None:
+        """A controller that died vents it; when that is back, the command must still be there."""
+        robot = taught()
+        assert robot.learner.babbler is not None
+        robot.learner.go_to(GOAL)
+        robot.step(3)
+        robot.follows, robot.lengths = False, np.full(9, 0.15)
+        robot.step(100)
+        np.testing.assert_array_equal(robot.step(), robot.learner.babbler.inverse(GOAL[:2]))
+
     def test_without_a_body_model_it_rests_at_the_end(self) -> None:
         """Nothing makes up for it, and nobody waits for that."""
         robot = Robot(task=PLAIN)
