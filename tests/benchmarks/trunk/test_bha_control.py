@@ -121,7 +121,8 @@ def test_every_method_makes_pressures(method: str) -> None:
 def made(**changes: float) -> list[Run]:
     """Return invented runs of two robots."""
     model = {"error": 5.0, "falling": 0.0, "outside": 0.0, "lowest": 0.3, "certain": 0.2}
-    fits = {name: {**model, "lowest": -0.1 if name == USUAL else 0.3} for name in MODELS}
+    usual = {**model, "falling": 1.0, "lowest": -0.1}
+    fits = {name: usual if name == USUAL else model for name in MODELS}
     fits[CONSTRAINED] = {**fits[CONSTRAINED], "falling": changes.get("falling", 0.0)}
     models = {on: {"time": 600.0, **fits} for on in ("30", "60", "120", "240", THIRD)}
     responses: dict[str, Any] = {}
@@ -149,6 +150,7 @@ def test_bounds_follow_the_runs() -> None:
     assert bound(made(), PID_FAST).measured == pytest.approx(3.75)
     assert not bound(made(falling=0.1), "violations").holds
     assert not bound(made(stable=0.0), "stable").holds
+    assert bound(made(), "unconstrained ELMs").measured == 100.0
 
 
 def test_rows_share_their_columns_and_the_figure_shows_something() -> None:
