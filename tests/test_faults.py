@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bha_interfaces.action import Babble
+from bha_interfaces.action import Babble, ReachGoal
 from bha_interfaces.msg import LearningStatus
 
 from bha_goal_babbling.checkpoint import load_checkpoint
-from running_graph import GOAL, ROBOT, RunningGraph, StartGraph
+from running_graph import GOAL, ROBOT, RunningGraph, StartGraph, goal
 
 pytestmark = pytest.mark.graph
 
@@ -152,6 +152,21 @@ def test_a_killed_feedback_leaves_the_learner_in_charge(start_graph: StartGraph)
     graph.wait(lambda: graph.values("cartesian_feedback")["summary"] == "idle", "feedback ready")
     graph.client.set_goal(GOAL, feedback=True)
     graph.wait(lambda: distance_aside(graph.tip(), GOAL) < 0.05, "the tip at the goal")
+
+
+def test_feedback_does_not_go_on_with_a_learner_that_knows_nothing_of_its_goal(
+    start_graph: StartGraph,
+) -> None:
+    """A learner that was started again counts its goals from 0."""
+    graph = start_graph(parameters=SHORT_WAITS)
+    graph.wait(lambda: graph.values("cartesian_feedback")["summary"] == "idle", "feedback ready")
+    where = ReachGoal.Goal(goal=goal(*GOAL), tolerance=1e-6, timeout=3600.0)
+    handle = graph.begin_reach("cartesian_feedback", where)
+    graph.wait_robot(3.0)
+    graph.end("learner", signal.SIGKILL)
+    graph.restart("learner")
+    assert "ended by another goal, the learner" in graph.result(handle).message
+    hold_goal(graph, OTHER_GOAL)
 
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])

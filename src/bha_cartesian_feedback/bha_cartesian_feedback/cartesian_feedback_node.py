@@ -58,6 +58,7 @@ class CartesianFeedback(BhaNode):
         self._stopped = False
         self._began = 0  # robot time [ns]
         self._number = 0  # of the goal, given by the learner
+        self._goals_set = 0  # by the learner's newest status
         self._targets = self.create_publisher(PointStamped, "target", CONTROL_QOS)
         self.subscribe_stream(PoseStamped, "tip", self._take_tip)
         self.create_subscription(LearningStatus, "learning_status", self._take_status, 10)
@@ -96,7 +97,9 @@ class CartesianFeedback(BhaNode):
         refuses = message.mode not in _ACCEPTING
         if refuses and nanoseconds(message.header.stamp) > self._began:
             self._end()
-        if message.goals_set > self._number:  # by somebody else
+        begun_anew = message.goals_set < self._goals_set  # the learner: it knows of no goal
+        self._goals_set = message.goals_set
+        if begun_anew or message.goals_set > self._number:  # by somebody else
             self._end()
 
     def _take_stop(self, message: Bool) -> None:
