@@ -62,6 +62,7 @@ class Learner:
         self._practice = Practice(task, settings)
         self._ends = FoundEnds(task.home_action.size)
         self._goal: FloatArray | None = None
+        self._sent: FloatArray | None = None  # for the goal, before others made up for any end
         self._command: FloatArray | None = None
         self._stopped = False
         self._failure = ""
@@ -196,7 +197,7 @@ class Learner:
             if not (math.isfinite(value) and value >= 0.0):
                 raise RefusedError(f"{name} must be 0 or above, got {value}")
         self._ends.begin(goal)
-        self._command = self._inverse(goal)
+        self._command = self._sent = self._inverse(goal)
         self._resting = self.HOLDING
         self._practice.begin()
         self._goal = goal
@@ -222,7 +223,7 @@ class Learner:
             raise RefusedError(f"the target is refused: {reason}")
         self._ends.follow(goal)
         command = self._inverse(goal)
-        self._reach = None
+        self._reach = self._sent = None
         self._goal = goal
         self._resting = self.HOLDING
         self._practice.begin()
@@ -233,7 +234,7 @@ class Learner:
         self._practice.end()
         if self._session is not None:
             self._end_session()
-        self._reach = None
+        self._reach = self._sent = None
 
     def stop(self, stopped: bool) -> None:
         """Begin or end the emergency stop.
@@ -306,10 +307,13 @@ class Learner:
             return
         if not self._ends.see(self._command, lengths):
             return
-        if self._reach is None and not self._ends.given_up:
+        if self._ends.given_up:
+            command = self._sent
+        elif self._reach is not None:
+            command = self._inverse(self._goal)
+        else:
             return  # a posture is held; targets are solved anew all the time
-        command = self._inverse(self._goal)
-        if np.abs(command - self._command).max() > _SENT_ON:
+        if command is not None and np.abs(command - self._command).max() > _SENT_ON:
             self._command = command
             if self._reach is not None:
                 self._reach.moves_on()

@@ -403,6 +403,23 @@ class TestGoals:
         robot.step(100)
         np.testing.assert_array_equal(robot.step(), robot.learner.babbler.inverse(GOAL[:2]))
 
+    def test_a_robot_that_is_not_driven_is_sent_nowhere_else(self) -> None:
+        """Not by another model that was loaded meanwhile, nor after a halt."""
+        robot, other = taught(), Robot(seed=1)
+        other.babble(60.0)
+        assert other.learner.babbler is not None
+        robot.end(robot.learner.go_to(GOAL))
+        held = robot.step()
+        robot.learner.use(other.learner.babbler)
+        robot.follows, robot.lengths = False, np.full(9, 0.15)
+        np.testing.assert_array_equal(robot.step(30), held)
+        robot.follows = True
+        robot.learner.go_to(-GOAL)
+        held = robot.step(2)
+        robot.learner.halt()
+        robot.follows, robot.lengths = False, np.full(9, 0.15)
+        np.testing.assert_array_equal(robot.step(30), held)
+
     def test_without_a_body_model_it_rests_at_the_end(self) -> None:
         """Nothing makes up for it, and nobody waits for that."""
         robot = Robot(task=PLAIN)
