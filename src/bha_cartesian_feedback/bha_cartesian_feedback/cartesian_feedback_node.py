@@ -122,7 +122,7 @@ class CartesianFeedback(BhaNode):
         if not self._mode:
             raise MessageError("no learning_status was seen yet: is the learner running?")
         number = await self._go_feedforward(goal)
-        if self._stopped:
+        if self._stopped or self._mode == LearningStatus.STOPPED:  # the learner may hear first
             raise MessageError("ended by an emergency stop")
         if self._mode not in _ACCEPTING:
             raise MessageError(f"the learner accepts no targets now: its mode is {self._mode}")
