@@ -28,9 +28,10 @@ from bha_goal_babbling.errors import InvalidConfigError
 from bha_goal_babbling.saved_state import SavedState
 
 _DEGREE = 3
-_PRIOR = 2.0
-"""Standard deviation of every parameter at first, in scaled units: slopes of the trunk are 0.3 to
-2.2, and curvatures alike, since actions are scaled by about their range."""
+_PRIOR = np.array([2.0, 2.0, 1.0, 0.5])
+"""Standard deviation of a parameter at first, by the degree of its feature, in scaled units: slopes
+of the trunk are 0.3 to 2.2. What bends is taken to be less, so that the few examples of the first
+minutes are not continued beyond by a third degree that nothing has shown."""
 _MEMORY = 300.0
 """Examples that a feature of size 1 is averaged over in the long run; smaller ones over more."""
 
@@ -55,7 +56,8 @@ class ForwardModel:
         polynomial = len(self._factors)
         self._parameters = np.zeros((polynomial + 2 * m, n))
         self._parameters[0] = home_outcome
-        self._covariance = _PRIOR**2 * np.eye(polynomial + 2 * m)
+        degrees = np.append(np.count_nonzero(self._factors < m, axis=1), [1] * (2 * m))
+        self._covariance = np.diag(_PRIOR[degrees] ** 2)
         self._history = np.zeros((0, m))  # the last two actions, the newest first
 
     @property

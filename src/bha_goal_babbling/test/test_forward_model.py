@@ -26,6 +26,13 @@ def powers(z: FloatArray) -> FloatArray:
     return np.column_stack(columns)
 
 
+def degrees(size: int) -> list[int]:
+    """Return the degree of every one of the columns of `powers`."""
+    return [
+        degree for degree in range(4) for _ in combinations_with_replacement(range(size), degree)
+    ]
+
+
 class Cubic:
     """A random polynomial of third degree about a random home."""
 
@@ -64,10 +71,11 @@ def test_is_batch_ridge_regression_about_home(monkeypatch: pytest.MonkeyPatch) -
         learn(model, action, outcome)
     features = powers(actions - home_action)
     size = features.shape[1]
-    information = np.eye(size) / PRIOR**2 + features.T @ features / noise**2
+    prior = np.diag(PRIOR[degrees(3)] ** -2.0)
+    information = prior + features.T @ features / noise**2
     first = np.zeros((size, 2))
     first[0] = home_outcome
-    expected = np.linalg.solve(information, first / PRIOR**2 + features.T @ outcomes / noise**2)
+    expected = np.linalg.solve(information, prior @ first + features.T @ outcomes / noise**2)
     asked = rng.uniform(-1.5, 1.5, (20, 3))
     answers = [model.predict(action) for action in asked]
     np.testing.assert_allclose(answers, powers(asked - home_action) @ expected, atol=1e-9)
@@ -82,7 +90,8 @@ def test_is_a_kalman_filter_of_random_walks() -> None:
     noise = 0.1
     model = ForwardModel(np.zeros(2), np.zeros(1), noise)
     size = 10 + 4
-    parameters, covariance = np.zeros((size, 1)), PRIOR**2 * np.eye(size)
+    parameters = np.zeros((size, 1))
+    covariance = np.diag(PRIOR[[*degrees(2), 1, 1, 1, 1]] ** 2)
     before: list[FloatArray] = []
     for _ in range(400):
         action, outcome = rng.uniform(-1, 1, 2), rng.standard_normal(1)
@@ -195,7 +204,7 @@ def test_the_covariance_stays_one() -> None:
     np.testing.assert_array_equal(covariance, covariance.T)
     eigenvalues = np.linalg.eigvalsh(covariance)
     assert eigenvalues[0] > 0.0
-    assert eigenvalues[-1] < 2.0 * PRIOR**2
+    assert eigenvalues[-1] < 2.0 * PRIOR.max() ** 2
 
 
 @pytest.mark.parametrize("examples", [0, 1, 2, 50])
