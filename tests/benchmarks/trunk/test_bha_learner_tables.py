@@ -13,7 +13,7 @@ from benchmarks.engine.experiment import Experiment, Figures, Run
 from benchmarks.engine.plain_json import round_trip
 from benchmarks.trunk import bha_2d, bha_3d, bha_feedback, bha_range, bha_use
 from benchmarks.trunk.bha_learning import MINUTES
-from benchmarks.trunk.bha_range import DISTURBANCES, disturbances
+from benchmarks.trunk.bha_range import DISTURBANCES, disturbances, paused
 from benchmarks.trunk.bha_runs import BODY, GRADIENT, METHODS, RLS, task_of
 from bha_common import bellows
 from bha_goal_babbling.task import find_task
@@ -57,6 +57,16 @@ def test_quick_and_full_plans_take_the_same_settings(experiment: Experiment) -> 
     names = {frozenset(settings) for quick in (True, False) for settings in experiment.plan(quick)}
     assert len(names) == 1
     assert all(settings == round_trip(settings) for settings in experiment.plan(False))
+
+
+def test_drift_that_is_paused_stays_where_it_came_to() -> None:
+    wrong = disturbances("drifting potentiometer", np.random.default_rng(0))
+    still = paused(wrong, 900.0)
+    assert np.array(still.sensor_shift) == pytest.approx(900.0 * np.array(wrong.sensor_drift))
+    assert max(still.sensor_shift) == pytest.approx(0.009)
+    assert not any(still.sensor_drift)
+    leak = disturbances("leak", np.random.default_rng(0))
+    assert paused(leak, 900.0) == leak
 
 
 def learned(method: str, errors: dict[float, float], seed: int = 1000, size: int = 2) -> Run:
