@@ -19,7 +19,7 @@ class FoundEnds:
     commands tell it alone, so the movement stays feed-forward: nothing is corrected by the tip.
 
     A robot of which more than half of the lengths stay short is not at its ends, it is not driven:
-    then all ends are given up until the next goal.
+    then all ends are given up until at least half of the lengths are where they should be.
 
     Parameters
     ----------
@@ -38,6 +38,8 @@ class FoundEnds:
         """Take commanded and measured lengths (m,) [m]; whether they change what is known."""
         at_low, at_high = self._watch.see(command, lengths)
         if self.given_up:
+            short = np.abs(lengths - command) > _MARGIN
+            self.given_up = bool(2 * np.count_nonzero(short) > short.size)
             return False
         # A length that went further has shown that the end is not there.
         self.low = np.where(at_low, lengths, np.minimum(self.low, lengths))

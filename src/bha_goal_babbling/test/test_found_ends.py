@@ -66,14 +66,35 @@ def test_a_new_goal_begins_anew() -> None:
         assert not ends.see(COMMAND, np.array([0.20, 0.28, 0.10, *REST]))
 
 
-def test_a_robot_that_is_not_driven_is_at_no_end() -> None:
-    """Whatever it had found before; until it is to go elsewhere."""
+NOT_DRIVEN = np.array([0.17, 0.17, 0.10, 0.17, 0.17])
+
+
+def not_driven() -> FoundEnds:
     ends = found_at(0.20, 0.28, 0.10)
-    vented = np.array([0.17, 0.17, 0.10, 0.17, 0.17])
-    changed = [ends.see(COMMAND, vented) for _ in range(10)]
+    changed = [ends.see(COMMAND, NOT_DRIVEN) for _ in range(10)]
     assert any(changed)
     assert not any(changed[-5:])
+    return ends
+
+
+def test_a_robot_that_is_not_driven_is_at_no_end() -> None:
+    """Whatever it had found before; until it is to go elsewhere."""
+    ends = not_driven()
     assert ends.given_up
     np.testing.assert_array_equal(known(ends), NOTHING)
     ends.begin(GOAL)
     assert not ends.given_up
+
+
+def test_a_robot_that_follows_again_shows_its_ends_again() -> None:
+    """It may have been slow rather than not driven."""
+    ends = not_driven()
+    lengths = np.array([0.20, 0.28, 0.10, *REST])
+    for share in (0.5, 0.8):  # most are on their way yet
+        assert not ends.see(COMMAND, share * lengths + (1.0 - share) * NOT_DRIVEN)
+        assert ends.given_up
+    changed = [ends.see(COMMAND, lengths) for _ in range(5)]
+    assert not changed[0]
+    assert all(changed[-3:])
+    assert not ends.given_up
+    assert ends.high[1] == 0.28
