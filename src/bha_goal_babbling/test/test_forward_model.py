@@ -84,6 +84,26 @@ def test_is_batch_ridge_regression_about_home(monkeypatch: pytest.MonkeyPatch) -
         assert model.expect(action)[2] == pytest.approx(row @ np.linalg.solve(information, row))
 
 
+def test_noise_of_a_few_examples_is_not_continued_beyond_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A straight robot seen near home, asked far from it: less bends than with an even prior."""
+
+    def miss() -> float:
+        rng = np.random.default_rng(7)
+        misses = []
+        for _ in range(50):
+            model = ForwardModel(np.zeros(2), np.zeros(1), 0.05)
+            for action in rng.uniform(-0.4, 0.4, (15, 2)):
+                learn(model, action, action[:1] + 0.05 * rng.standard_normal(1))
+            misses.append(abs(float(model.predict(np.ones(2))[0]) - 1.0))
+        return float(np.mean(misses))
+
+    narrow = miss()
+    monkeypatch.setattr(forward_model, "_PRIOR", np.full(4, 2.0))
+    assert narrow < 0.7 * miss()
+
+
 def test_is_a_kalman_filter_of_random_walks() -> None:
     """Step by step, in the plain form of the textbook, process noise and lags included."""
     rng = np.random.default_rng(2)
