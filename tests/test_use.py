@@ -19,8 +19,10 @@ def test_goals_of_a_user_are_learned_and_kept(start_graph: StartGraph, learns: b
     for goal in GOALS:
         graph.client.reach(goal, timeout=60.0)
     examples = int(graph.fresh("learner")["examples in use"])
-    assert (examples >= 10) == learns
-    assert learns or examples == 0
+    if learns:  # some on the way to each goal; how many depends on when its tips come
+        assert examples >= 2 * len(GOALS)
+    else:
+        assert examples == 0
 
     path = graph.folder / "used.npz"
     graph.client.save("learner", str(path))
