@@ -73,7 +73,7 @@ def controller(method: str, model: EquilibriumModel, gain: float = 1.0) -> Contr
     if method == PRESSURE_ONLY:
         gain = 0.0
     if method == AS_BEFORE:
-        settings = replace(settings, proportional_gain=3e5, integral_gain=8e5)
+        settings = LengthControllerSettings(3e5, 8e5, carry_distance=0.0)
         shaping = ShapingSettings(0.0, 0.0)
         model = replace(model, dynamics=BellowsDynamics(response_lag=0.0))
     settings = replace(

@@ -34,6 +34,9 @@ FRICTION_WIDTHS = np.array([1.5e-3, 5e-3])
 STATES = len(CREEP_TIMES) + len(FRICTION_WIDTHS)
 """Number of states of a bellows."""
 
+_FRICTION_KEPT = 0.5
+"""Share of the friction found in identification that is left in control; so on ten robots."""
+
 # Relative to the variance of a length: of the affine part, square and cube, states, and the drift.
 _PENALTIES = np.repeat([1e-4, 1e-3, 1e-4], [bellows.COUNT + 2, STATES, 1])
 
@@ -97,3 +100,16 @@ def fit_memory(lengths: Array, pressures: Array, states: Array, times: Array) ->
         fitted = np.linalg.solve(gram, features.T @ (pressures[:, k] - pressures[:, k].mean()))
         weights[:, k] = np.maximum(fitted[-1 - STATES : -1], 0.0) / scale
     return weights
+
+
+def friction_in_control(weights: Array) -> Array:
+    """Take from fitted weights, shape (STATES, 9), the friction that control does not meet.
+
+    While samples are taken, pressures come from one side and stand still: what regulators leave of
+    a step (their dead band) looks like friction. In control pressures turn back as soon as the
+    lengths have come, to make up for creep, and that part is gone.
+    """
+    kept = np.ones((STATES, 1))
+    kept[len(CREEP_TIMES) :] = _FRICTION_KEPT
+    in_control: Array = kept * weights
+    return in_control

@@ -34,13 +34,13 @@ class ShapingSettings:
     """How commands are brought on."""
 
     smoothing_time: float = setting(
-        0.48,
+        0.44,
         "Time in which the step of a command is brought on [s]",
         low=0.0,
         high=10.0,
     )
     response_lag: float = setting(
-        0.15,
+        0.08,
         "Lag with which lengths are expected to follow what is asked for [s]",
         low=0.0,
         high=5.0,

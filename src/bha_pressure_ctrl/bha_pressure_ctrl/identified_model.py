@@ -9,7 +9,11 @@ from numpy.typing import NDArray
 
 from bha_common import bellows
 from bha_pressure_ctrl.bellows_dynamics import BellowsDynamics
-from bha_pressure_ctrl.bellows_memory import BellowsMemory, fit_memory
+from bha_pressure_ctrl.bellows_memory import (
+    BellowsMemory,
+    fit_memory,
+    friction_in_control,
+)
 from bha_pressure_ctrl.equilibrium_model import EquilibriumModel
 from bha_pressure_ctrl.identification import Identification
 from bha_pressure_ctrl.inertia import fit_inertia
@@ -59,6 +63,7 @@ def fit_identified_model(
         held = model.pressures(motion) + (memory * states).sum(axis=1)
         inertia = fit_inertia(motion, asked, held, dynamics, period)
         dynamics = replace(dynamics, inertia=inertia)
+    dynamics = replace(dynamics, memory=friction_in_control(memory))
     return replace(model, dynamics=dynamics)
 
 

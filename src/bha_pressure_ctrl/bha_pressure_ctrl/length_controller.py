@@ -26,6 +26,12 @@ class LengthControllerSettings:
     adaptation_time: float = setting(
         120.0, "Time in which the model takes over what the integral holds; 0: never [s]", low=0.0
     )
+    carry_distance: float = setting(
+        0.09,
+        "Distance of a command from the one before, over all lengths, to which 1/e of the integral "
+        "is carried; 0: all of it, anywhere [m]",
+        low=0.0,
+    )
 
     def __post_init__(self) -> None:
         check_settings(self)
@@ -39,11 +45,12 @@ class LengthController:
     clipped to the range of the pressures. The feed-forward is the model's answer to the command and
     to what the bellows remember, brought on by `CommandShaping`, which also tells the lengths to
     expect of it. So a new command finds no error, and the integral does not wind up while the
-    feed-forward is at work. It stands for what the model does not know (long creep, drift), so it
-    is kept from one command to the next; where a pressure is at an end of its range and the error
-    would push it further, its integral stands still.
+    feed-forward is at work. It stands for what the model does not know of a posture and those near
+    it, so less of it is carried to the next command the further away that is. Where a pressure is
+    at an end of its range and the error would push it further, its integral stands still.
 
-    Near the command the model slowly takes over what the integral holds: it ages with the robot.
+    Near the command the model slowly takes over what the integral holds, for all postures: it ages
+    with the robot.
 
     Parameters
     ----------
@@ -102,6 +109,7 @@ class LengthController:
         Pressures [Pa], shape (9,), within the range.
         """
         if command is not self._command:
+            self._carry_to(command)
             self._command = command
             self._target = np.concatenate([command, self._model.pressures(command)])
         if self._shaping is None:
@@ -125,6 +133,12 @@ class LengthController:
         self._integral = np.where(pushes_out, self._integral, integral)
         self._adapt((np.abs(command - lengths) < self.SETTLED) & (wanted == pressures))
         return pressures
+
+    def _carry_to(self, command: Array) -> None:
+        """Let go of what the integral has found elsewhere."""
+        if self._command is not None and self._settings.carry_distance > 0.0:
+            distance = float(np.linalg.norm(command - self._command))
+            self._integral = self._integral * np.exp(-distance / self._settings.carry_distance)
 
     def _adapt(self, settled: NDArray[np.bool_]) -> None:
         """Let the model take over a little of the integral; their sum stays as it is."""

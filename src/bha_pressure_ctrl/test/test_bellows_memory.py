@@ -12,6 +12,7 @@ from bha_pressure_ctrl.bellows_memory import (
     STATES,
     BellowsMemory,
     fit_memory,
+    friction_in_control,
 )
 
 PERIOD = 0.02
@@ -92,3 +93,11 @@ def test_what_was_told_stays_as_it_was(count: int) -> None:
     for _ in range(count):
         memory.update(START - 0.01)
     np.testing.assert_array_equal(told, before)
+
+
+def test_control_meets_half_of_the_friction_and_all_of_the_creep() -> None:
+    weights = np.arange(1.0, 1.0 + STATES * 9).reshape(STATES, 9)
+    kept = friction_in_control(weights)
+    creeps = len(CREEP_TIMES)
+    np.testing.assert_array_equal(kept[:creeps], weights[:creeps])
+    np.testing.assert_array_equal(kept[creeps:], 0.5 * weights[creeps:])

@@ -131,6 +131,24 @@ def test_what_the_integral_has_found_is_kept_for_the_next_command() -> None:
     )
 
 
+def test_less_of_the_integral_is_carried_the_further_the_command_goes() -> None:
+    found = np.array([_carried(distance) for distance in (0.0, 0.03, 0.09, 0.5)])
+    np.testing.assert_allclose(found, np.exp([0.0, -1 / 3, -1.0, -0.5 / 0.09]), atol=1e-6)
+    assert _carried(0.5, carry_distance=0.0) == pytest.approx(1.0)
+
+
+def _carried(distance: float, **gains: float) -> float:
+    """Share of the integral, told by the pressures at a command so far away, at no error there."""
+    pressures = []
+    for error in (0.002, 0.0):
+        control = controller(AT_ONCE, adaptation_time=0.0, **gains)
+        control.update(COMMAND, COMMAND - error)
+        command = COMMAND + distance / 3.0
+        pressures.append(control.update(command, command))
+    # What one period adds to the integral.
+    return float((pressures[0] - pressures[1]).mean() / (8e5 * PERIOD * 0.002))
+
+
 def test_reset_forgets_the_integral() -> None:
     control = controller(AT_ONCE)
     first = control.update(COMMAND, COMMAND - 0.01)
