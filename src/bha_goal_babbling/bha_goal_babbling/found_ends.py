@@ -1,12 +1,20 @@
 """Ends of bellows' ranges that are found on the way to a goal."""
 
+from collections import deque
+
 import numpy as np
 
 from bha_goal_babbling.arrays import FloatArray
-from bha_goal_babbling.stuck_watch import StuckWatch
+from bha_goal_babbling.stuck_watch import BoolArray, StuckWatch
 
 _MARGIN = 0.004
 """How far short of its command a length that keeps still has come to an end [m]."""
+_TRAIL = 3
+"""Commands over which the speed of a length is taken."""
+_PATIENCE = 30.0
+"""Commands in which a length would come to its command at its speed, if it is not at an end: 15 s.
+Bellows that vent sink for seconds, ever slower, and are still many millimetres above their end when
+a step of theirs has become small."""
 _NEAR = 0.1
 """How far from the goal on whose way they were found ends still count [m]."""
 
@@ -14,9 +22,10 @@ _NEAR = 0.1
 class FoundEnds:
     """Lowest and highest lengths that can be had where the robot is.
 
-    A length that stays short of its command shows an end that learning has not found yet, or one
-    that moved since. The others can make up for it, see `GoalBabbler.inverse`. Lengths and
-    commands tell it alone, so the movement stays feed-forward: nothing is corrected by the tip.
+    A length that stays short of its command, and would not come there in a while either, shows an
+    end that learning has not found yet, or one that moved since. The others can make up for it,
+    see `GoalBabbler.inverse`. Lengths and commands tell it alone, so the movement stays
+    feed-forward: nothing is corrected by the tip.
 
     A robot of which more than half of the lengths stay short is not at its ends, it is not driven:
     then all ends are given up until at least half of the lengths are where they should be.
@@ -29,6 +38,7 @@ class FoundEnds:
 
     def __init__(self, size: int) -> None:
         self._watch = StuckWatch(size, _MARGIN)
+        self._trail: deque[FloatArray] = deque(maxlen=_TRAIL)
         self._goal: FloatArray | None = None
         self.given_up = False
         self.low: FloatArray = np.full(size, -np.inf)
@@ -37,6 +47,8 @@ class FoundEnds:
     def see(self, command: FloatArray, lengths: FloatArray) -> bool:
         """Take commanded and measured lengths (m,) [m]; whether they change what is known."""
         at_low, at_high = self._watch.see(command, lengths)
+        stays = ~self._coming(command, lengths)
+        at_low, at_high = at_low & stays, at_high & stays
         if self.given_up:
             short = np.abs(lengths - command) > _MARGIN
             self.given_up = bool(2 * np.count_nonzero(short) > short.size)
@@ -54,6 +66,7 @@ class FoundEnds:
         """Forget what was found: the robot is to go to a goal (n,) [m]."""
         self._goal = goal
         self._watch.pause()
+        self._trail.clear()
         self._forget()
         self.given_up = False
 
@@ -61,6 +74,14 @@ class FoundEnds:
         """Keep what was found if a goal (n,) [m] is near the one at which it began."""
         if self._goal is None or np.linalg.norm(goal - self._goal) > _NEAR:
             self.begin(goal)
+
+    def _coming(self, command: FloatArray, lengths: FloatArray) -> BoolArray:
+        """Tell which lengths would come to their commands at the speed that they have."""
+        self._trail.append(lengths)
+        steps = max(len(self._trail) - 1, 1)
+        speed = np.abs(lengths - self._trail[0]) / steps  # [m] a command
+        coming: BoolArray = np.abs(lengths - command) < _PATIENCE * speed
+        return coming
 
     def _forget(self) -> None:
         self.low = np.full_like(self.low, -np.inf)

@@ -40,6 +40,19 @@ def test_lengths_that_follow_show_none() -> None:
     assert not ends.see(COMMAND, np.array([0.201, 0.298, 0.102, *REST]))
 
 
+def test_a_length_that_still_comes_nearer_is_not_at_an_end() -> None:
+    """Bellows that vent sink for seconds: steps of 1 mm a command are small and lead on."""
+    ends = FoundEnds(5)
+    ends.begin(GOAL)
+    way = [0.15 * 0.8**k for k in range(60)]  # what is left to go
+    changed = [ends.see(COMMAND, COMMAND + np.array([0, 0, left, 0, 0])) for left in way]
+    assert not any(changed)
+    stops = np.maximum(way, 0.012)  # an end 12 mm above what is asked for
+    seen = [ends.see(COMMAND, COMMAND + np.array([0, 0, left, 0, 0])) for left in stops]
+    assert any(seen)
+    assert abs(ends.low[2] - 0.112) < 1e-3
+
+
 def test_a_length_that_goes_further_moves_the_end() -> None:
     ends = found_at(0.201, 0.28, 0.12)
     ends.see(COMMAND, np.array([0.201, 0.29, 0.11, *REST]))
@@ -93,7 +106,7 @@ def test_a_robot_that_follows_again_shows_its_ends_again() -> None:
     for share in (0.5, 0.8):  # most are on their way yet
         assert not ends.see(COMMAND, share * lengths + (1.0 - share) * NOT_DRIVEN)
         assert ends.given_up
-    changed = [ends.see(COMMAND, lengths) for _ in range(5)]
+    changed = [ends.see(COMMAND, lengths) for _ in range(6)]
     assert not changed[0]
     assert all(changed[-3:])
     assert not ends.given_up
