@@ -5,7 +5,8 @@ import numpy as np
 from bha_goal_babbling.arrays import FloatArray
 from bha_goal_babbling.forward_model import ForwardModel
 
-_ITERATIONS = 3
+_ITERATIONS, _FAR_ITERATIONS = 3, 10
+"""Steps for a small miss, and before that for a large one, such as an end brings that has moved."""
 _DAMPING = 0.1
 """Slope below which a direction counts as one in which actions move nothing, in scaled units."""
 _ROUNDS, _BLOCK_ROUNDS = 200, 10
@@ -41,19 +42,25 @@ def refined(
     low, high : array
         Ends of the range, shape (m,).
     reach : float
-        Largest distance of the answer from the action (once it is within the range), in the unit
-        of actions: farther away the model has seen nothing.
+        Largest distance of the answer from the action once it is within the range, in the unit of
+        actions: farther away the model has seen nothing. What the range takes from the action is
+        added, since others have to make up for as much.
     """
     start = np.minimum(np.maximum(action, low), high)
     refined = start
-    for _ in range(_ITERATIONS):
+    near, far = _ITERATIONS, _FAR_ITERATIONS
+    while near > 0 and far > 0:
         missed = goal - model.predict(refined)
         length = np.linalg.norm(missed)
         if length > _TRUSTED:
             missed = missed * (_TRUSTED / length)
+            far -= 1
+        else:
+            near -= 1
         refined = _step(refined, missed, model.jacobian(refined), low, high)
     away = refined - start
     distance = float(np.linalg.norm(away))
+    reach = reach + float(np.linalg.norm(start - action))
     return refined if distance <= reach else start + away * (reach / distance)
 
 

@@ -70,7 +70,7 @@ def test_one_step_is_damped_least_squares() -> None:
 @settings(max_examples=200, deadline=None)
 @given(seed=st.integers(0, 10_000), width=st.floats(0.0, 1.0), far=st.floats(0.0, 3.0))
 def test_stays_within_the_ends(seed: int, width: float, far: float) -> None:
-    """Wherever it begins, wherever the goal is; the answer is never farther than `reach`."""
+    """Wherever it begins and the goal is; it goes by `reach` and what the ends take, no farther."""
     rng = np.random.default_rng(seed)
     start = ARM.home() + far * rng.standard_normal(5)
     low = ARM.home() - width * rng.random(5)
@@ -79,7 +79,9 @@ def test_stays_within_the_ends(seed: int, width: float, far: float) -> None:
     answer = refined(start, far * rng.standard_normal(2), ARM, low, high, reach)
     assert (low - 1e-12 <= answer).all()
     assert (answer <= high + 1e-12).all()
-    assert np.linalg.norm(answer - np.clip(start, low, high)) <= reach * (1 + 1e-12)
+    begin = np.clip(start, low, high)
+    reach += float(np.linalg.norm(begin - start))
+    assert np.linalg.norm(answer - begin) <= reach * (1 + 1e-12)
 
 
 def test_others_make_up_for_an_entry_at_its_end() -> None:
@@ -169,10 +171,21 @@ def test_goes_no_farther_than_its_reach(reach: float) -> None:
 
 
 def test_trusts_the_slope_for_small_steps_only() -> None:
-    """A goal far away moves it by three steps of 0.2, less the damping."""
+    """A goal out of sight moves it by ten steps of 0.2, less the damping."""
     far = np.full(2, 1e3)
     answer = refined(np.zeros(2), np.array([30.0, 40.0]), Linear(np.eye(2)), -far, far, 1e3)
-    np.testing.assert_allclose(answer, 3 * 0.2 / 1.01 * np.array([0.6, 0.8]), rtol=1e-12)
+    np.testing.assert_allclose(answer, 10 * 0.2 / 1.01 * np.array([0.6, 0.8]), rtol=1e-12)
+
+
+def test_others_make_up_for_all_that_an_end_has_taken() -> None:
+    """A valve is stuck: a length is 1.5 from where it is wanted, and another one has to go there.
+
+    That is more than `reach`, and more than what three steps of 0.2 bring.
+    """
+    model = Linear(np.ones((1, 2)))
+    low, high = np.array([0.0, -9.0]), np.array([0.0, 9.0])
+    answer = refined(np.array([1.5, 0.0]), np.array([1.5]), model, low, high, 0.4)
+    np.testing.assert_allclose(answer, [0.0, 1.5], atol=1e-4)
 
 
 def test_a_model_that_knows_nothing_moves_nothing() -> None:
