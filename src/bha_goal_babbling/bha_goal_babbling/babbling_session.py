@@ -63,6 +63,8 @@ class BabblingSession:
             self._command = babbler.ask()
         self._next_observation = self._settling
         self._follows = False
+        self.samples = 0
+        """Number of steps that were told what came of them."""
 
     @property
     def elapsed(self) -> float:
@@ -121,6 +123,7 @@ class BabblingSession:
             )
         else:
             self.babbler.tell(lengths, outcome)
+            self.samples += 1
             if self._on_sample is not None:
                 self._on_sample(lengths, outcome)
         return self.babbler.ask()

@@ -23,7 +23,7 @@ from bha_goal_babbling.task import Task
 _SENT_ON = 1e-3
 """Change of a command below which the robot stays where it is, at an end or not [m]."""
 _TARGET_MARGIN = 0.2
-"""How far outside of the task's region a target may lie [m]: feedback corrects by 0.15 m."""
+"""How far outside of the task's region a target may lie [m]: feedback may correct that far."""
 
 
 class RefusedError(GoalBabblingError):
@@ -94,7 +94,7 @@ class Learner:
 
     @property
     def failure(self) -> str:
-        """Why the last babbling ended early; empty when it did not."""
+        """Why the last babbling ended early or without a sample; empty when it did not."""
         return self._failure
 
     @property
@@ -280,6 +280,11 @@ class Learner:
         session = self._session
         assert session is not None
         if session.done:
+            if not session.samples:
+                self._failure = (
+                    f"nothing was explored in {session.elapsed:g} s: the way to where exploration "
+                    f"begins takes {self.settings.settling_time:g} s, and then the tip must be seen"
+                )
             self._end_session()
             return
         try:

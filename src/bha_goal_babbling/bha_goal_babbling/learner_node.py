@@ -33,6 +33,7 @@ from bha_goal_babbling.checkpoint import Checkpoint, load_checkpoint, save_check
 from bha_goal_babbling.command_timing import TIP_LOST, CommandTiming
 from bha_goal_babbling.learner import Learner, RefusedError
 from bha_goal_babbling.learner_settings import LearnerSettings
+from bha_goal_babbling.observation_window import LONGEST_WAIT
 from bha_goal_babbling.reach import Reach
 from bha_goal_babbling.task import find_task
 
@@ -50,7 +51,10 @@ class NodeSettings:
         60.0, "Exploration time between two checkpoints [s]", low=1.0
     )
     tip_timeout: float = setting(
-        0.25, "Robot time to wait for the tip of a command period [s]", low=0.0
+        0.25,
+        "Robot time to wait for the tip of a command period [s]",
+        low=0.0,
+        high=LONGEST_WAIT,
     )
     max_age: float = setting(1.0, "Age at which a tip or a target is dropped [s]", low=0.02)
 
@@ -204,7 +208,7 @@ class LearnerNode(BhaNode):
         if handle.is_cancel_requested:
             result.message = "cancelled; everything learned so far is kept"
             handle.canceled()
-        elif session.done:
+        elif session.done and session.samples:
             result.success, result.message = True, f"explored for {session.elapsed:.0f} s"
             handle.succeed()
         else:

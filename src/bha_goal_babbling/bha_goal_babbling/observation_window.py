@@ -24,6 +24,10 @@ class Observation:
     tip: FloatArray | None
 
 
+LONGEST_WAIT = 2.0
+"""How long after a time its average may be asked for [s]."""
+
+
 class ObservationWindow:
     """Keeps the newest lengths and tips, and averages them over the last moments.
 
@@ -72,6 +76,5 @@ class ObservationWindow:
         return np.mean(inside, axis=0) if inside else None
 
     def _forget(self, seen: deque[tuple[int, FloatArray]], now: int) -> None:
-        # Twice the span is kept: an average may be asked for a little after its time.
-        while seen[0][0] <= now - 2 * self._span:
+        while seen[0][0] <= now - self._span - round(LONGEST_WAIT * 1e9):
             seen.popleft()

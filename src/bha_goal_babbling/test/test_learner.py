@@ -165,6 +165,14 @@ class TestBabble:
         robot.babble(2.0)
         assert robot.learner.babbler is None
         assert robot.learner.exploration_time == 0.0
+        assert "nothing was explored in 2 s: the way" in robot.learner.failure
+
+    def test_a_robot_whose_tip_is_never_seen_has_not_explored(self) -> None:
+        robot = taught(20.0)
+        assert not robot.learner.failure
+        robot.tracked = False
+        robot.babble(20.0)
+        assert "the tip must be seen" in robot.learner.failure
 
     def test_commands_are_one_a_period_and_within_the_limits(self) -> None:
         robot = taught(120.0)
