@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bha_interfaces.action import Babble, ReachGoal
+from bha_interfaces.action import Babble, Identify, ReachGoal
 from bha_interfaces.msg import LearningStatus
 from bha_interfaces.srv import SetGoal
 from geometry_msgs.msg import Point, PointStamped
@@ -205,6 +205,18 @@ class TestTrained:
             graph.wait_robot(1.0)
             handle.cancel_goal_async()
             assert graph.result(handle).message == "cancelled; holding"
+
+    def test_identification_can_be_cancelled_and_the_model_in_use_stays(
+        self, graph: RunningGraph
+    ) -> None:
+        model = graph.fresh("pressure_ctrl")["model"]
+        handle = graph.begin(Identify, "pressure_ctrl/identify", Identify.Goal(samples=50))
+        graph.wait_robot(1.0)
+        handle.cancel_goal_async()
+        assert graph.result(handle).message == "cancelled; the model in use stays"
+        seen = graph.fresh("pressure_ctrl")
+        assert seen["mode"] != "identify"
+        assert seen["model"] == model
 
     def test_babbling_can_be_cancelled_and_keeps_what_it_learned(self, graph: RunningGraph) -> None:
         before = graph.client.status.samples

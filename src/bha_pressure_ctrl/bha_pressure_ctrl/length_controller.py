@@ -111,14 +111,16 @@ class LengthController:
         if command is not self._command:
             self._carry_to(command)
             self._command = command
-            self._target = np.concatenate([command, self._model.pressures(command)])
+            # As the model would answer that is saved now; apart only beyond the ends of the range.
+            pressures = self.model.pressures(command) - self._learned
+            self._target = np.concatenate([command, pressures])
         if self._shaping is None:
             self._shaping = CommandShaping(
                 self._how,
                 self._model.dynamics,
                 period=self._period,
                 lengths=lengths,
-                pressures=self._model.pressures(lengths),
+                pressures=self.model.pressures(lengths) - self._learned,
             )
         known = self._learned + self._integral
         shaped, expected = self._shaping.update(

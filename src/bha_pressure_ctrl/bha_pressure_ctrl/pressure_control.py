@@ -146,7 +146,7 @@ class PressureControl:
 
     def abandon_identification(self) -> None:
         """End identification and keep the model in use."""
-        self._identification = None
+        self._end_identification()
 
     def finish_identification(self) -> EquilibriumModel:
         """Fit a model to the samples collected, and use it.
@@ -158,7 +158,7 @@ class PressureControl:
         RuntimeError
             When no identification runs.
         """
-        identification, self._identification = self._identification, None
+        identification = self._end_identification()
         if identification is None:
             raise RuntimeError("no identification is running")
         settings = self._settings
@@ -171,6 +171,13 @@ class PressureControl:
         )
         self.use(model)
         return model
+
+    def _end_identification(self) -> Identification | None:
+        """Return the identification that ran; control begins afresh where that left the robot."""
+        identification, self._identification = self._identification, None
+        if identification is not None and self._controller is not None:
+            self._controller.reset()
+        return identification
 
     def update(self, time: float, lengths: Array) -> Array:
         """Compute the pressures for the next control period.

@@ -119,6 +119,9 @@ class PressureCtrl(BhaNode):
         (stamp, lengths), self._held = self._held, None
         pressures = self._control.update(stamp * 1e-9, lengths)
         self._pressures.publish(encode_pressures(stamp, pressures))
+        self._settle_identify()
+
+    def _settle_identify(self) -> None:
         identification = self._control.identification
         if self._identified is not None and (identification is None or identification.done):
             self._identified.set_result(None)
@@ -167,13 +170,11 @@ class PressureCtrl(BhaNode):
             result.message = str(error)
             handle.abort()
             return result
-        self._identified = Future()
-        finished = self._identified
-        timer = self.create_timer(0.2, lambda: self._tell_progress(handle), clock=self.steady_clock)
-        await finished
-        self.destroy_timer(timer)
+        self._identified = finished = Future()
+        await self.with_progress(finished, lambda: self._tell_progress(handle))
         result.samples = identification.collected
         if handle.is_cancel_requested:
+            self._control.abandon_identification()
             result.message = "cancelled; the model in use stays"
             handle.canceled()
             return result
@@ -192,6 +193,7 @@ class PressureCtrl(BhaNode):
         identification = self._control.identification
         if handle.is_cancel_requested:
             self._control.abandon_identification()
+            self._settle_identify()
         elif identification is not None:
             handle.publish_feedback(
                 Identify.Feedback(
@@ -200,9 +202,6 @@ class PressureCtrl(BhaNode):
                     elapsed=identification.elapsed,
                 )
             )
-        if self._identified is not None and self._control.identification is None:
-            self._identified.set_result(None)
-            self._identified = None
 
     def _write_model(self, path: str) -> None:
         model = self._control.model

@@ -240,6 +240,16 @@ class TestAdaptation:
         run(control, plant, np.full(9, 0.39), 60.0)
         assert control.model is MODEL
 
+    def test_beyond_the_range_it_answers_as_the_model_that_would_be_saved(self) -> None:
+        """What was learned does not lift a pressure off the end that the model has it at."""
+        control = controller(adaptation_time=5.0, proportional_gain=0.0, integral_gain=8e5)
+        run(control, Plant(offset=-0.01), COMMAND, 60.0)
+        control.reset()
+        vented = np.full(9, 0.08)
+        saved = control.model.pressures(vented)
+        assert (saved < 1e3).all()
+        np.testing.assert_allclose(control.update(vented, vented), saved, atol=1e-6)
+
     def test_it_can_be_switched_off(self) -> None:
         control = controller(adaptation_time=0.0)
         run(control, Plant(offset=0.01), COMMAND, 20.0)

@@ -292,6 +292,20 @@ class TestIdentify:
         loop.vents()
         loop.press()
 
+    def test_control_begins_afresh_where_identification_leaves_the_robot(self) -> None:
+        """What the integral holds and was expected is of another posture by then."""
+        applied = []
+        for away in (0.15, 0.25):
+            loop = Loop(MODEL)
+            loop.press()
+            loop.step(1.0, lengths=np.full(9, away))  # winds up, to the one side or the other
+            loop.control.identify()
+            loop.step(1.0)
+            loop.control.abandon_identification()
+            loop.command()
+            applied.append(loop.step())
+        np.testing.assert_array_equal(*applied)
+
     def test_none_to_finish(self) -> None:
         with pytest.raises(RuntimeError, match="no identification"):
             Loop(MODEL).control.finish_identification()
