@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_SMOOTHING = 0.5  # [s] over which the error is averaged before it is trusted
 _CHECK_PERIOD = 1.0  # [s] between two looks at where the error has gone
 _LAG_CHECKS = 3  # looks after which the tip has followed its target well enough to judge by
 _SLOWEST = 0.02  # [1/s] gain that no trunk is too slow for
@@ -43,7 +42,6 @@ class CorrectionWatch:
         self._lowest_gain = min(gain, _SLOWEST)
         self._tolerance = tolerance
         self._next_check = first_check
-        self._smooth: Array | None = None  # error, averaged
         self._before: Array | None = None  # what it was when it was last beyond the tolerance
         self._first_checks = _LAG_CHECKS  # still to come
         self._first = 0.0  # largest error at those
@@ -52,19 +50,15 @@ class CorrectionWatch:
         self._tried = [self._best] * _LAG_CHECKS  # corrections at the last checks
         self._in_vain = False  # whether no smaller error was found since it went back
 
-    def look(self, time: float, period: float, error: Array, correction: Array) -> None:
+    def look(self, time: float, error: Array, correction: Array) -> None:
         """Take the error that there is with a correction.
 
         Parameters
         ----------
         time : Robot time [s].
-        period : Time since the last look [s].
-        error : Way from the tip to the goal [m], shape (3,).
+        error : Way from the tip to the goal, without the tracker's noise [m], shape (3,).
         correction : Way from the goal to the target [m], shape (3,).
         """
-        if self._smooth is None:
-            self._smooth = error
-        self._smooth = self._smooth + min(1.0, period / _SMOOTHING) * (error - self._smooth)
         if time < self._next_check:
             return
         self._next_check = time + _CHECK_PERIOD
@@ -73,7 +67,7 @@ class CorrectionWatch:
                 self._next_check = time + _LAG_CHECKS * _CHECK_PERIOD
                 self.back_to = self._before = None
             return
-        self._check(self._smooth, correction)
+        self._check(error, correction)
 
     def _check(self, error: Array, correction: Array) -> None:
         size = float(np.linalg.norm(error))

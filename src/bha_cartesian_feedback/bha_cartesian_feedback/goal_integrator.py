@@ -13,6 +13,7 @@ from bha_common.settings import check_settings, setting
 Array = NDArray[np.float64]
 
 _LONGEST_STEP = 1.0  # [s] over which one tip is integrated; beyond that it was not seen
+_SMOOTHING = 0.5  # [s] over which the error is averaged before it is judged
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,9 @@ class FeedbackSettings:
         high=0.5,
     )
     feedforward_time: float = setting(
-        3.0, "Time for the feed-forward movement before the error counts [s]", low=0.0
+        3.0,
+        "Time for the feed-forward movement before the error counts [s]; before 1 s it is the way",
+        low=1.0,
     )
     max_correction: float = setting(
         0.05, "Largest distance between target and goal [m]", low=0.0, high=0.5
@@ -49,6 +52,9 @@ class GoalIntegrator:
 
     The gain is a wish, and corrections are on trial, see `CorrectionWatch`: what swings or runs
     away is slowed down and taken back.
+
+    A tracker's noise is integrated as it comes, but whether the tip is there, and what corrections
+    do to it, is told by the error averaged over half a second.
 
     Anti-windup: the correction is limited in size and speed, and stands still in the coordinates
     that do not count.
@@ -75,9 +81,11 @@ class GoalIntegrator:
         self._settings = settings
         self._axes = axes
         self._start = self._last = self._outside = start
+        self._near = False  # whether the tip is within the tolerance
         self._tolerance = tolerance or settings.tolerance
         self._timeout = timeout or settings.timeout
         self._correction = np.zeros(3)
+        self._smooth: Array | None = None  # error, averaged
         self._watch = CorrectionWatch(
             settings.gain, self._tolerance, start + settings.feedforward_time
         )
@@ -98,8 +106,7 @@ class GoalIntegrator:
     @property
     def arrived(self) -> bool:
         """Whether the tip has stayed within the tolerance long enough."""
-        near = self.error <= self._tolerance
-        return near and self._last - self._outside >= self._settings.rest_time
+        return self._near and self._last - self._outside >= self._settings.rest_time
 
     @property
     def done(self) -> bool:
@@ -118,15 +125,20 @@ class GoalIntegrator:
         -------
         The target [m], shape (3,).
         """
-        period, self._last = min(time - self._last, _LONGEST_STEP), time
+        gap, self._last = time - self._last, time
+        period = min(gap, _LONGEST_STEP)
         self.elapsed = time - self._start
         error = np.zeros(3)
         error[: self._axes] = (self.goal - tip)[: self._axes]
         self.error = float(np.linalg.norm(error))
-        if not self.error <= self._tolerance:
+        if self._smooth is None:
+            self._smooth = error
+        self._smooth = self._smooth + min(1.0, period / _SMOOTHING) * (error - self._smooth)
+        self._near = bool(np.linalg.norm(self._smooth) <= self._tolerance)
+        if gap > _LONGEST_STEP or not self._near:
             self._outside = time
         if self.elapsed > self._settings.feedforward_time:
-            self._watch.look(time, period, error, self._correction)
+            self._watch.look(time, self._smooth, self._correction)
             back = self._watch.back_to
             wanted = self.gain * period * error if back is None else back - self._correction
             motion = _limited(wanted, self._settings.max_speed * period)

@@ -39,7 +39,7 @@ corners = st.fixed_dictionaries(
         "gain": st.sampled_from([0.02, 0.2, 0.5]),
         "max_speed": st.sampled_from([0.002, 0.02, 100.0]),
         "max_correction": st.sampled_from([0.05, 0.5]),
-        "feedforward_time": st.sampled_from([0.0, 3.0]),
+        "feedforward_time": st.sampled_from([1.0, 3.0]),
     }
 )
 
@@ -58,7 +58,7 @@ def feedback(chosen: dict[str, float]) -> GoalIntegrator:
     st.integers(0, 1000),
 )
 @example(
-    {"gain": 0.5, "max_speed": 100.0, "max_correction": 0.5, "feedforward_time": 0.0},
+    {"gain": 0.5, "max_speed": 100.0, "max_correction": 0.5, "feedforward_time": 1.0},
     3.0,
     3.0,
     1.0,
