@@ -17,8 +17,6 @@ _RESTORE: dict[str, Callable[[SavedState], TargetSource]] = {
     GoalPaths.kind: GoalPaths.restore,
     MonitoredGoalPaths.kind: MonitoredGoalPaths.restore,
     DirectionTargets.kind: DirectionTargets.restore,
-    # What paths with interest were called in older snapshots.
-    "interest_paths": GoalPaths.restore,
 }
 
 

@@ -124,20 +124,3 @@ def test_refuses_impossible_settings(settings: dict) -> None:
     """There must be something to choose from, and to compare."""
     with pytest.raises(InvalidConfigError, match="must be"):
         InterestGoalChoice(**settings)
-
-
-def test_older_snapshots_have_a_name_of_their_own() -> None:
-    """They called paths whose goals are chosen by interest "interest_paths"."""
-    goals, rng = np.eye(3), np.random.default_rng(0)
-    movements = Movements(
-        GoalPaths(goals, 4, InterestGoalChoice(3)),
-        np.zeros(2),
-        goals[0],
-        home_probability=0.0,
-        home_steps=4,
-    )
-    movements.prepare(np.zeros(2), goals[0], rng)
-    movements.advance(np.zeros(3))
-    state = movements.state()
-    older = SavedState(state.arrays, {**state.settings, "targets_kind": "interest_paths"})
-    np.testing.assert_array_equal(restored_targets(older).target(), movements.target)

@@ -210,10 +210,7 @@ class PressureCtrl(BhaNode):
         model.save(path, self._settings.robot)
 
     def _read_model(self, path: str) -> None:
-        try:
-            self._control.use(EquilibriumModel.load(path, self._settings.robot))
-        except EquilibriumModelError as error:
-            raise ModelRefusedError(str(error)) from error
+        self._control.use(EquilibriumModel.load(path, self._settings.robot))
 
     def diagnose(self) -> tuple[bytes, str, dict[str, str]]:
         """Tell what the controller does and with which model."""
