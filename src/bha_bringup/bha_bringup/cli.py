@@ -66,8 +66,7 @@ def demo(
         "and keeps what was learned."
     )
     record = DemoRecord(settings)
-    with owning_graph():
-        run_demo(record, console)
+    run_demo(record, console)
     page = write_report(record, folder)
     console.print(error_table(record))
     _tell_files(folder, page)

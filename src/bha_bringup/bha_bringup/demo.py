@@ -15,6 +15,7 @@ from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedCo
 
 from bha_bringup.demo_record import DemoRecord, GoalRecord
 from bha_bringup.graph import SIM, GraphSettings, NodeDescription, describe_graph
+from bha_bringup.graph_lock import owning_graph
 from bha_bringup.graph_processes import GraphProcesses
 from bha_bringup.robot_client import (
     CONTROLLER,
@@ -41,6 +42,8 @@ def run_demo(record: DemoRecord, console: Console) -> None:
     RobotError, GraphError
         When the graph cannot be started, or a node refuses or ends.
     """
+    # Before anything is written: models and process number may be those of the graph that runs.
+    refuse_second_graph()
     settings = record.settings
     models = settings.out / "models"
     models.mkdir(parents=True, exist_ok=True)
@@ -58,9 +61,9 @@ def run_demo(record: DemoRecord, console: Console) -> None:
             models=models,
         )
     )
-    refuse_second_graph()
     try:
         with (
+            owning_graph(),
             GraphProcesses(nodes, settings.out / "logs") as processes,
             RobotClient(processes.check) as robot,
         ):
