@@ -30,13 +30,16 @@ def identify(
     samples: Annotated[int, typer.Argument(help="Settled postures; 0: the default.")] = 0,
 ) -> None:
     """Let the pressure controller learn which pressures hold which lengths."""
-    with RobotClient() as robot, _Line() as tell:
-        result = robot.identify(
-            samples,
-            lambda seen: tell(f"{seen.collected}/{seen.requested} postures, {seen.elapsed:.0f} s"),
-        )
-        robot.save(CONTROLLER)
-    console.print(result.message)
+    with RobotClient() as robot:
+        with _Line() as tell:
+            result = robot.identify(
+                samples,
+                lambda seen: tell(
+                    f"{seen.collected}/{seen.requested} postures, {seen.elapsed:.0f} s"
+                ),
+            )
+        console.print(result.message)
+        _keep(robot, CONTROLLER)
 
 
 @app.command()
@@ -45,17 +48,18 @@ def babble(
     restart: Annotated[bool, typer.Option(help="Forget what was learned before.")] = False,
 ) -> None:
     """Explore and learn; Ctrl-C ends it and keeps what was learned."""
-    with RobotClient() as robot, _Line() as tell:
-        result = robot.babble(
-            minutes * 60.0,
-            restart=restart,
-            progress=lambda seen: tell(
-                f"{seen.elapsed / 60:.1f}/{minutes:g} min, {seen.status.movements} movements, "
-                f"recent error {seen.status.recent_error * 1e3:.0f} mm"
-            ),
-        )
-        robot.save(LEARNER)
-    console.print(result.message)
+    with RobotClient() as robot:
+        with _Line() as tell:
+            result = robot.babble(
+                minutes * 60.0,
+                restart=restart,
+                progress=lambda seen: tell(
+                    f"{seen.elapsed / 60:.1f}/{minutes:g} min, {seen.status.movements} movements, "
+                    f"recent error {seen.status.recent_error * 1e3:.0f} mm"
+                ),
+            )
+        console.print(result.message)
+        _keep(robot, LEARNER)
 
 
 @app.command(context_settings={"ignore_unknown_options": True})
@@ -157,6 +161,14 @@ def stop() -> None:
     if not stop_owner():
         raise RobotError("there is no graph in this ROS domain that bha has started")
     console.print("stopped")
+
+
+def _keep(robot: RobotClient, node: str) -> None:
+    """Save what was learned; where that fails, as without a file, it was learned all the same."""
+    try:
+        robot.save(node)
+    except RobotError as error:
+        console.print(f"not saved ({error}): `bha save FOLDER` saves it", markup=False)
 
 
 def _both_models(act: Callable[[RobotClient, str, str], str], folder: Path) -> None:
