@@ -8,7 +8,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 from types import FrameType
-from typing import Annotated, Optional
+from typing import Annotated
 
 import typer
 from rich.console import Console
@@ -23,6 +23,7 @@ from bha_bringup.graph_processes import GraphError, GraphProcesses
 from bha_bringup.report import error_table, write_report
 from bha_bringup.robot_client import RobotClient
 from bha_bringup.robot_connection import RobotError, refuse_second_graph
+from bha_bringup.running_cli import MaybePath
 from bha_driver.errors import DriverError
 
 app = typer.Typer(
@@ -36,8 +37,6 @@ app.add_typer(terminal_cli.app, name="terminal")
 app.add_typer(driver_cli.app, name="driver")
 console = Console(highlight=False)
 
-# Ubuntu 24.04's typer, 0.9, knows no `Path | None`.
-MaybePath = Optional[Path]  # noqa: UP045
 Robot = Annotated[str, typer.Option(help=f"Which robot: {', '.join(ROBOTS)}.")]
 
 
@@ -55,7 +54,7 @@ def demo(
 ) -> None:
     """Start the graph, learn, reach held-out goals, and leave a report."""
     suffix = "" if robot == SIM else f"_{robot}"
-    folder = out or Path("results", f"demo_{space}_seed{seed}{suffix}")
+    folder = (out or Path("results", f"demo_{space}_seed{seed}{suffix}")).expanduser()
     settings = DemoSettings(space, minutes, seed, goals, folder, robot=robot)
     if quick:
         settings = replace(settings, minutes=5.0, goals=5, identification_samples=20)
@@ -94,17 +93,20 @@ def up(
     params_file: Annotated[MaybePath, typer.Option(help="YAML with parameters.")] = None,
 ) -> None:
     """Start the graph and keep it up until Ctrl-C or `bha stop`."""
+    models = models.expanduser().absolute()
     settings = GraphSettings(
         robot=robot,
         space=space,
         feedback=feedback,
         real_time_factor=real_time_factor,
         seed=seed,
-        models=models.expanduser().absolute(),
+        models=models,
         terminal=None if terminal is None else terminal.expanduser().absolute(),
     )
-    if params_file is not None and not params_file.is_file():
-        raise ValueError(f"{params_file}: there is no such file")
+    if params_file is not None:
+        params_file = params_file.expanduser()
+        if not params_file.is_file():
+            raise ValueError(f"{params_file}: there is no such file")
     refuse_second_graph()
     nodes = describe_graph(settings)
     with owning_graph(), GraphProcesses(nodes, models / "logs", params_file) as processes:

@@ -21,6 +21,8 @@ from bha_bringup.robot_connection import RobotError
 app = typer.Typer()
 console = Console(highlight=False)
 
+# Ubuntu 24.04's typer, 0.9, knows no `Path | None`.
+MaybePath = Optional[Path]  # noqa: UP045
 Point = Annotated[float, typer.Argument(help="Coordinate in bha_base [m].")]
 Feedback = Annotated[bool, typer.Option(help="Use Cartesian feedback: exact, but slow.")]
 
@@ -125,8 +127,8 @@ def status() -> None:
 @app.command()
 def save(
     folder: Annotated[
-        Path, typer.Argument(help="Where to; default: where `up` keeps them.")
-    ] = Path(),
+        MaybePath, typer.Argument(help="Where to; default: where `up` keeps them.")
+    ] = None,
 ) -> None:
     """Save the models of the controller and the learner."""
     _both_models(lambda robot, node, path: robot.save(node, path), folder)
@@ -135,8 +137,8 @@ def save(
 @app.command()
 def load(
     folder: Annotated[
-        Path, typer.Argument(help="Where from; default: where `up` keeps them.")
-    ] = Path(),
+        MaybePath, typer.Argument(help="Where from; default: where `up` keeps them.")
+    ] = None,
 ) -> None:
     """Load models into the controller and the learner."""
     _both_models(lambda robot, node, path: robot.load(node, path), folder)
@@ -171,10 +173,10 @@ def _keep(robot: RobotClient, node: str) -> None:
         console.print(f"not saved ({error}): `bha save FOLDER` saves it", markup=False)
 
 
-def _both_models(act: Callable[[RobotClient, str, str], str], folder: Path) -> None:
+def _both_models(act: Callable[[RobotClient, str, str], str], folder: Path | None) -> None:
     with RobotClient() as robot:
         for node, name in ((CONTROLLER, "equilibrium_model"), (LEARNER, "inverse_model")):
-            path = "" if folder == Path() else str(folder.absolute() / f"{name}.npz")
+            path = "" if folder is None else str(folder.expanduser().absolute() / f"{name}.npz")
             console.print(f"{node}: {act(robot, node, path)}")
 
 

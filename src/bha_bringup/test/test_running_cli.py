@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -32,6 +33,8 @@ class Robot:
             raise RobotError(f"{node}: give a path, or set the parameter model_file")
         return path
 
+    load = save
+
 
 @pytest.fixture(autouse=True)
 def _robot(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -53,3 +56,26 @@ def test_what_cannot_be_saved_was_learned_all_the_same(
     said = " ".join(ran.output.split())
     assert said.index(result) < said.index(f"not saved ({node}: give a path")
     assert "`bha save FOLDER` saves it" in said
+
+
+@pytest.mark.parametrize("command", ["save", "load"])
+@pytest.mark.parametrize(
+    ("folder", "where"), [(".", "here"), ("~/mine", "home/mine"), ("/m", "/m")]
+)
+def test_a_folder_is_meant_as_a_shell_means_it(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, command: str, folder: str, where: str
+) -> None:
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("COLUMNS", "1000")
+    ran = CliRunner().invoke(running_cli.app, [command, folder])
+    assert ran.exit_code == 0, ran.output
+    assert f"pressure_ctrl: {tmp_path / where / 'equilibrium_model.npz'}\n" in ran.output
+    assert f"learner: {tmp_path / where / 'inverse_model.npz'}\n" in ran.output
+
+
+@pytest.mark.parametrize("command", ["save", "load"])
+def test_without_a_folder_a_node_takes_its_own_file(command: str) -> None:
+    ran = CliRunner().invoke(running_cli.app, [command])
+    assert "give a path" in str(ran.exception)
