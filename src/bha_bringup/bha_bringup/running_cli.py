@@ -73,7 +73,7 @@ def goal(x: Point, y: Point, z: Point, feedback: Feedback = False) -> None:
 
 @app.command(context_settings={"ignore_unknown_options": True})
 def reach(x: Point, y: Point, z: Point, feedback: Feedback = False) -> None:
-    """Go to a goal and wait until the tip is at rest."""
+    """Go to a goal and wait until the tip is at rest; exit with 1 when that takes too long."""
     with RobotClient() as robot, _Line() as tell:
         result = robot.reach(
             np.array([x, y, z]),
@@ -85,6 +85,8 @@ def reach(x: Point, y: Point, z: Point, feedback: Feedback = False) -> None:
         f"{result.message} after {result.duration:.1f} s: tip at {tip} m, "
         f"{result.error * 1e3:.1f} mm from the goal"
     )
+    if not result.success:
+        raise typer.Exit(1)
 
 
 @app.command()

@@ -10,6 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from bha_bringup import running_cli
+from bha_bringup.robot_client import Reached
 from bha_bringup.robot_connection import RobotError
 
 
@@ -27,6 +28,11 @@ class Robot:
 
     def babble(self, *_: Any, **__: Any) -> SimpleNamespace:
         return SimpleNamespace(message="explored for 60 s")
+
+    def reach(self, goal: Any, **_: Any) -> Reached:
+        success = bool(goal[0] > 0.0)
+        message = "at rest" if success else "not at rest within the time"
+        return Reached(success, message, goal, 0.0, 20.0)
 
     def save(self, node: str, path: str = "") -> str:
         if not path:
@@ -79,3 +85,12 @@ def test_a_folder_is_meant_as_a_shell_means_it(
 def test_without_a_folder_a_node_takes_its_own_file(command: str) -> None:
     ran = CliRunner().invoke(running_cli.app, [command])
     assert "give a path" in str(ran.exception)
+
+
+@pytest.mark.parametrize(
+    ("x", "code", "message"), [("0.1", 0, "at rest"), ("-0.1", 1, "not at rest within the time")]
+)
+def test_a_script_sees_whether_a_goal_was_reached(x: str, code: int, message: str) -> None:
+    ran = CliRunner().invoke(running_cli.app, ["reach", x, "0.1", "0.76"])
+    assert ran.exit_code == code
+    assert ran.output.startswith(f"{message} after 20.0 s: tip at ")
