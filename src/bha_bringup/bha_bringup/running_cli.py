@@ -23,7 +23,7 @@ console = Console(highlight=False)
 
 # Ubuntu 24.04's typer, 0.9, knows no `Path | None`.
 MaybePath = Optional[Path]  # noqa: UP045
-Point = Annotated[float, typer.Argument(help="Coordinate in bha_base [m].")]
+Point = Annotated[float, typer.Argument(help="Coordinate in bha_base, in m.")]
 Feedback = Annotated[bool, typer.Option(help="Use Cartesian feedback: exact, but slow.")]
 
 

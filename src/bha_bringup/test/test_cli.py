@@ -34,3 +34,9 @@ def test_up_keeps_models_and_logs_in_one_folder(
     assert {Path(file).parent for file in files} == {tmp_path / "m"}
     assert logs == tmp_path / "m" / "logs"
     assert params_file == tmp_path / "lab.yaml"
+
+
+@pytest.mark.parametrize(("call", "unit"), [(["reach"], "in m."), (["driver", "press"], "in Pa.")])
+def test_help_tells_units(call: list[str], unit: str) -> None:
+    """The terminal takes a word in square brackets for a style."""
+    assert unit in CliRunner().invoke(cli.app, [*call, "--help"]).output
