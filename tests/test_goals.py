@@ -76,7 +76,7 @@ class TestGoals:
     def test_a_bad_duration_of_babbling(self, graph: RunningGraph, duration: float) -> None:
         handle = graph.begin(Babble, "learner/babble", Babble.Goal(duration=duration))
         assert not handle.accepted
-        assert f"duration must be above 0 s" in graph.log("learner")
+        assert f"duration must be above 0 s, got {duration}" in graph.log("learner")
 
     def test_too_few_samples_to_identify(self, graph: RunningGraph) -> None:
         handle = graph.begin(Identify, "pressure_ctrl/identify", Identify.Goal(samples=3))
