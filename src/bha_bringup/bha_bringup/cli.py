@@ -8,7 +8,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 from types import FrameType
-from typing import Annotated
+from typing import Annotated, Optional
 
 import typer
 from rich.console import Console
@@ -43,11 +43,17 @@ Robot = Annotated[str, typer.Option(help=f"Which robot: {', '.join(ROBOTS)}.")]
 @app.command()
 def demo(
     space: Annotated[str, typer.Option(help="What is learned: 2d or 3d.")] = "2d",
-    minutes: Annotated[float, typer.Option(help="Robot minutes of exploration.")] = 30.0,
+    minutes: Annotated[
+        Optional[float], typer.Option(help="Robot minutes of exploration; default: 30.")  # noqa: UP045
+    ] = None,
     seed: Annotated[int, typer.Option(help="Draws the robot, noise and exploration.")] = 0,
-    goals: Annotated[int, typer.Option(help="Held-out goals to reach.")] = 25,
+    goals: Annotated[
+        Optional[int], typer.Option(help="Held-out goals to reach; default: 25.")  # noqa: UP045
+    ] = None,
     out: Annotated[MaybePath, typer.Option(help="Folder for report and models.")] = None,
-    quick: Annotated[bool, typer.Option(help="A short look: 5 minutes, 5 goals.")] = False,
+    quick: Annotated[
+        bool, typer.Option(help="A short look: 5 minutes and 5 goals, if not told otherwise.")
+    ] = False,
     robot: Annotated[
         str, typer.Option(help="Which robot: sim, or hardware-emulated (in real time).")
     ] = "sim",
@@ -55,9 +61,13 @@ def demo(
     """Start the graph, learn, reach held-out goals, and leave a report."""
     suffix = "" if robot == SIM else f"_{robot}"
     folder = (out or Path("results", f"demo_{space}_seed{seed}{suffix}")).expanduser()
-    settings = DemoSettings(space, minutes, seed, goals, folder, robot=robot)
+    settings = DemoSettings(space=space, seed=seed, out=folder, robot=robot)
     if quick:
         settings = replace(settings, minutes=5.0, goals=5, identification_samples=20)
+    if minutes is not None:
+        settings = replace(settings, minutes=minutes)
+    if goals is not None:
+        settings = replace(settings, goals=goals)
     kind = "A simulated BHA" if robot == SIM else "A simulated BHA behind an emulated terminal"
     console.print(
         f"{kind} (robot {seed}) learns to reach, task {space}, from nothing: "
@@ -153,7 +163,7 @@ def main() -> None:
     except Interrupted:
         console.print("\ninterrupted; what was learned is kept")
         sys.exit(130)
-    except (RobotError, GraphError, DriverError, ValueError) as error:
+    except (RobotError, GraphError, DriverError, ValueError, OSError) as error:
         console.print(f"error: {error}", style="bold red", markup=False)
         sys.exit(1)
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import signal
+import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 from typer.testing import CliRunner
 
-from bha_bringup import cli
+from bha_bringup import cli, demo
+from bha_bringup.demo_record import DemoRecord
 from bha_bringup.graph_processes import GraphError
 
 
@@ -34,6 +37,49 @@ def test_up_keeps_models_and_logs_in_one_folder(
     assert {Path(file).parent for file in files} == {tmp_path / "m"}
     assert logs == tmp_path / "m" / "logs"
     assert params_file == tmp_path / "lab.yaml"
+
+
+@pytest.mark.parametrize(
+    ("given", "minutes", "goals", "samples"),
+    [
+        ([], 30.0, 25, 40),
+        (["--quick"], 5.0, 5, 20),
+        (["--quick", "--minutes", "2"], 2.0, 5, 20),
+        (["--goals", "7", "--quick"], 5.0, 7, 20),
+    ],
+)
+def test_a_demonstration_is_as_long_as_it_is_told(
+    monkeypatch: pytest.MonkeyPatch, given: list[str], minutes: float, goals: int, samples: int
+) -> None:
+    def run(record: DemoRecord, _: Any) -> None:
+        settings = record.settings
+        assert (settings.minutes, settings.goals) == (minutes, goals)
+        assert settings.identification_samples == samples
+        raise GraphError("enough")
+
+    monkeypatch.setattr(cli, "run_demo", run)
+    assert str(CliRunner().invoke(cli.app, ["demo", *given]).exception) == "enough"
+
+
+@pytest.mark.parametrize("command", [["demo", "--out"], ["up", "--models"]])
+def test_a_folder_that_cannot_be_made_is_named(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    command: list[str],
+) -> None:
+    (tmp_path / "file").touch()
+    monkeypatch.setattr(cli, "refuse_second_graph", lambda: None)
+    monkeypatch.setattr(demo, "refuse_second_graph", lambda: None)
+    monkeypatch.setattr(signal, "signal", lambda *_: None)
+    monkeypatch.setattr(sys, "argv", ["bha", *command, str(tmp_path / "file" / "x")])
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    assert end.value.code == 1
+    said = "".join(capsys.readouterr().out.split())
+    assert "Notadirectory" in said
+    assert f"{tmp_path}/file/x/" in said
 
 
 @pytest.mark.parametrize(("call", "unit"), [(["reach"], "in m."), (["driver", "press"], "in Pa.")])
