@@ -13,6 +13,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from bha_bringup.disturbing import as_parameters, read_disturbances
+from bha_bringup.graph import MODEL_FILES
 from bha_bringup.graph_lock import stop_owner
 from bha_bringup.model_transfer import adopt_models
 from bha_bringup.robot_client import CONTROLLER, LEARNER, SIMULATOR, RobotClient
@@ -177,8 +178,8 @@ def _keep(robot: RobotClient, node: str) -> None:
 
 def _both_models(act: Callable[[RobotClient, str, str], str], folder: Path | None) -> None:
     with RobotClient() as robot:
-        for node, name in ((CONTROLLER, "equilibrium_model"), (LEARNER, "inverse_model")):
-            path = "" if folder is None else str(folder.expanduser().absolute() / f"{name}.npz")
+        for node, name in MODEL_FILES.items():
+            path = "" if folder is None else str(folder.expanduser().absolute() / name)
             console.print(f"{node}: {act(robot, node, path)}")
 
 
