@@ -274,6 +274,26 @@ class TestLaunchFile:
             assert choices is None or default in choices
 
 
+class TestCompose:
+    """A container a node: together they are the graph that `up` starts."""
+
+    SERVICES = yaml.safe_load((SOURCES.parent / "docker/compose.yaml").read_text())["services"]
+
+    @pytest.mark.parametrize(
+        "node",
+        describe_graph(GraphSettings(models=Path("/home/bha/models"))),
+        ids=lambda node: str(node.executable),
+    )
+    def test_its_parameters_are_those_of_the_description(self, node: NodeDescription) -> None:
+        command = self.SERVICES[node.executable]["command"]
+        assert command[1:3] == [node.package, node.executable]
+        given = dict(part.split(":=") for part in command if ":=" in part)
+        values = {**declared(node), **given}
+        assert {name: str(values[name]) for name in node.parameters} == {
+            name: str(value) for name, value in node.parameters.items()
+        }
+
+
 class TestParameterFile:
     """The example that a lab copies."""
 
