@@ -226,6 +226,14 @@ def test_topics_are_those_of_the_nodes() -> None:
     assert {(row[0], row[1]): names(row[3]) for row in table if row[3]} == read
 
 
+def test_qualities_of_service_are_those_of_the_nodes() -> None:
+    latched = ros_node.LATCHED_QOS.depth
+    assert f"*control* is reliable, keep last {ros_node.CONTROL_QOS.depth}," in GRAPH
+    assert f"*Latched* is reliable, keep last {latched}, transient local" in GRAPH
+    own = (DOCS / "your_robot.md").read_text(encoding="utf-8")
+    assert f"reliable, transient local, depth {latched} " in own
+
+
 def test_services_and_actions_are_those_of_the_nodes() -> None:
     table = rows(section(GRAPH, "Services and actions"))
     expected = {**endpoints({"create_service": (0, 1)}), **endpoints({"ActionServer": (1, 2)})}

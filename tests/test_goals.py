@@ -11,6 +11,7 @@ from bha_interfaces.msg import LearningStatus
 from bha_interfaces.srv import SetGoal
 from geometry_msgs.msg import PointStamped
 
+from bha_bringup.robot_connection import RobotError
 from bha_common.ros_messages import point_message
 from running_graph import GOAL, NODES_OF_GOALS, RunningGraph, StartGraph, goal
 
@@ -75,12 +76,14 @@ class TestGoals:
     def test_a_bad_duration_of_babbling(self, graph: RunningGraph, duration: float) -> None:
         handle = graph.begin(Babble, "learner/babble", Babble.Goal(duration=duration))
         assert not handle.accepted
-        assert "duration must be above 0 s" in graph.log("learner")
+        assert f"duration must be above 0 s, got {duration}" in graph.log("learner")
 
     def test_too_few_samples_to_identify(self, graph: RunningGraph) -> None:
         handle = graph.begin(Identify, "pressure_ctrl/identify", Identify.Goal(samples=3))
         assert not handle.accepted
         assert "at least 20" in graph.log("pressure_ctrl")
+        with pytest.raises(RobotError, match="refused: the log of pressure_ctrl says why"):
+            graph.client.identify(3)
 
     def test_while_it_babbles(self, graph: RunningGraph) -> None:
         handle = graph.begin(Babble, "learner/babble", Babble.Goal(duration=3600.0))

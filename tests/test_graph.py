@@ -244,6 +244,9 @@ class TestTrained:
         assert graph.now() >= before
         graph.client.reach(GOAL)
         assert distance_aside(graph.tip(), GOAL) < 0.06
+        # As docs/graph.md says: to the others it is the same robot still.
+        for name in ("learner", "pressure_ctrl"):
+            assert "begun anew" not in graph.log(name, 1000)
 
     def test_everything_is_well_in_the_end(
         self, graph: RunningGraph, drops_at_start: dict[str, str]

@@ -23,6 +23,7 @@ from bha_bringup.graph_processes import GraphError, GraphProcesses
 from bha_bringup.report import error_table, write_report
 from bha_bringup.robot_client import RobotClient
 from bha_bringup.robot_connection import RobotError, refuse_second_graph
+from bha_bringup.running_cli import MaybePath
 from bha_driver.errors import DriverError
 
 app = typer.Typer(
@@ -36,29 +37,37 @@ app.add_typer(terminal_cli.app, name="terminal")
 app.add_typer(driver_cli.app, name="driver")
 console = Console(highlight=False)
 
-# Ubuntu 24.04's typer, 0.9, knows no `Path | None`.
-MaybePath = Optional[Path]  # noqa: UP045
 Robot = Annotated[str, typer.Option(help=f"Which robot: {', '.join(ROBOTS)}.")]
 
 
 @app.command()
 def demo(
     space: Annotated[str, typer.Option(help="What is learned: 2d or 3d.")] = "2d",
-    minutes: Annotated[float, typer.Option(help="Robot minutes of exploration.")] = 30.0,
+    minutes: Annotated[
+        Optional[float], typer.Option(help="Robot minutes of exploration; default: 30.")  # noqa: UP045
+    ] = None,
     seed: Annotated[int, typer.Option(help="Draws the robot, noise and exploration.")] = 0,
-    goals: Annotated[int, typer.Option(help="Held-out goals to reach.")] = 25,
+    goals: Annotated[
+        Optional[int], typer.Option(help="Held-out goals to reach; default: 25.")  # noqa: UP045
+    ] = None,
     out: Annotated[MaybePath, typer.Option(help="Folder for report and models.")] = None,
-    quick: Annotated[bool, typer.Option(help="A short look: 5 minutes, 5 goals.")] = False,
+    quick: Annotated[
+        bool, typer.Option(help="A short look: 5 minutes and 5 goals, if not told otherwise.")
+    ] = False,
     robot: Annotated[
         str, typer.Option(help="Which robot: sim, or hardware-emulated (in real time).")
     ] = "sim",
 ) -> None:
     """Start the graph, learn, reach held-out goals, and leave a report."""
     suffix = "" if robot == SIM else f"_{robot}"
-    folder = out or Path("results", f"demo_{space}_seed{seed}{suffix}")
-    settings = DemoSettings(space, minutes, seed, goals, folder, robot=robot)
+    folder = (out or Path("results", f"demo_{space}_seed{seed}{suffix}")).expanduser()
+    settings = DemoSettings(space=space, seed=seed, out=folder, robot=robot)
     if quick:
         settings = replace(settings, minutes=5.0, goals=5, identification_samples=20)
+    if minutes is not None:
+        settings = replace(settings, minutes=minutes)
+    if goals is not None:
+        settings = replace(settings, goals=goals)
     kind = "A simulated BHA" if robot == SIM else "A simulated BHA behind an emulated terminal"
     console.print(
         f"{kind} (robot {seed}) learns to reach, task {space}, from nothing: "
@@ -66,8 +75,7 @@ def demo(
         "and keeps what was learned."
     )
     record = DemoRecord(settings)
-    with owning_graph():
-        run_demo(record, console)
+    run_demo(record, console)
     page = write_report(record, folder)
     console.print(error_table(record))
     _tell_files(folder, page)
@@ -95,17 +103,20 @@ def up(
     params_file: Annotated[MaybePath, typer.Option(help="YAML with parameters.")] = None,
 ) -> None:
     """Start the graph and keep it up until Ctrl-C or `bha stop`."""
+    models = models.expanduser().absolute()
     settings = GraphSettings(
         robot=robot,
         space=space,
         feedback=feedback,
         real_time_factor=real_time_factor,
         seed=seed,
-        models=models.expanduser().absolute(),
+        models=models,
         terminal=None if terminal is None else terminal.expanduser().absolute(),
     )
-    if params_file is not None and not params_file.is_file():
-        raise ValueError(f"{params_file}: there is no such file")
+    if params_file is not None:
+        params_file = params_file.expanduser()
+        if not params_file.is_file():
+            raise ValueError(f"{params_file}: there is no such file")
     refuse_second_graph()
     nodes = describe_graph(settings)
     with owning_graph(), GraphProcesses(nodes, models / "logs", params_file) as processes:
@@ -152,7 +163,7 @@ def main() -> None:
     except Interrupted:
         console.print("\ninterrupted; what was learned is kept")
         sys.exit(130)
-    except (RobotError, GraphError, DriverError, ValueError) as error:
+    except (RobotError, GraphError, DriverError, ValueError, OSError) as error:
         console.print(f"error: {error}", style="bold red", markup=False)
         sys.exit(1)
 

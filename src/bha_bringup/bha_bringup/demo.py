@@ -14,7 +14,8 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
 from bha_bringup.demo_record import DemoRecord, GoalRecord
-from bha_bringup.graph import SIM, GraphSettings, NodeDescription, describe_graph
+from bha_bringup.graph import MODEL_FILES, SIM, GraphSettings, NodeDescription, describe_graph
+from bha_bringup.graph_lock import owning_graph
 from bha_bringup.graph_processes import GraphProcesses
 from bha_bringup.robot_client import (
     CONTROLLER,
@@ -41,12 +42,14 @@ def run_demo(record: DemoRecord, console: Console) -> None:
     RobotError, GraphError
         When the graph cannot be started, or a node refuses or ends.
     """
+    # Before anything is written: models and process number may be those of the graph that runs.
+    refuse_second_graph()
     settings = record.settings
     models = settings.out / "models"
     models.mkdir(parents=True, exist_ok=True)
     # A demonstration learns from nothing; an older run's models would be gone on with.
-    for name in ("equilibrium_model", "inverse_model"):
-        (models / f"{name}.npz").unlink(missing_ok=True)
+    for name in MODEL_FILES.values():
+        (models / name).unlink(missing_ok=True)
     task = find_task(settings.space)
     record.axes = task.axes
     nodes = describe_graph(
@@ -58,9 +61,9 @@ def run_demo(record: DemoRecord, console: Console) -> None:
             models=models,
         )
     )
-    refuse_second_graph()
     try:
         with (
+            owning_graph(),
             GraphProcesses(nodes, settings.out / "logs") as processes,
             RobotClient(processes.check) as robot,
         ):
@@ -165,7 +168,7 @@ class _Demo:
                 bar.update(line, advance=1, note=self._reach_note("feedback", "with feedback"))
 
     def _reach_home(self) -> None:
-        file = self._settings.out / "models" / "inverse_model.npz"
+        file = self._settings.out / "models" / MODEL_FILES[LEARNER]
         home = load_checkpoint(file, robot=None).babbler.home_outcome
         position = np.zeros(3)
         position[: len(home)] = home

@@ -42,7 +42,7 @@ def cleanup() -> None:
 @app.command()
 def press(
     name: Annotated[str, typer.Argument(help="Which bellows, such as bellows_1_1.")],
-    pressure: Annotated[float, typer.Argument(help="Gauge pressure [Pa].")] = 1e4,
+    pressure: Annotated[float, typer.Argument(help="Gauge pressure in Pa.")] = 1e4,
     seconds: Annotated[float, typer.Option(help="For how long; then it vents by itself.")] = 3.0,
 ) -> None:
     """Press one bellows by hand; for a driver that was started alone."""

@@ -12,6 +12,8 @@ from bha_goal_babbling.task import find_task
 
 NAMESPACE = "/bha"
 SIM, HARDWARE, EMULATED = ROBOTS = ("sim", "hardware", "hardware-emulated")
+MODEL_FILES = {"pressure_ctrl": "equilibrium_model.npz", "learner": "inverse_model.npz"}
+"""Where each node that learns keeps its model, in the folder of the models."""
 _EMULATOR_PORTS = 15020
 
 
@@ -91,8 +93,8 @@ def describe_graph(settings: GraphSettings) -> list[NodeDescription]:
     if settings.robot == HARDWARE:
         name = load_terminal(settings.terminal).name
 
-    def file(stem: str) -> str:
-        return "" if models is None else str(models / f"{stem}.npz")
+    def file(node: str) -> str:
+        return "" if models is None else str(models / MODEL_FILES[node])
 
     nodes = [
         *_robot(settings),
@@ -103,7 +105,7 @@ def describe_graph(settings: GraphSettings) -> list[NodeDescription]:
                 "robot": name,
                 "seed": settings.seed,
                 "lockstep": settings.real_time_factor == 0.0,
-                "model_file": file("equilibrium_model"),
+                "model_file": file("pressure_ctrl"),
             },
             in_loop=True if simulated else None,
         ),
@@ -114,7 +116,7 @@ def describe_graph(settings: GraphSettings) -> list[NodeDescription]:
                 "robot": name,
                 "seed": settings.seed,
                 "task": settings.space,
-                "model_file": file("inverse_model"),
+                "model_file": file("learner"),
             },
             in_loop=False if simulated else None,
         ),

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from bha_bringup.graph import MODEL_FILES
 from bha_goal_babbling.checkpoint import load_checkpoint, save_checkpoint
 from bha_pressure_ctrl.equilibrium_model import EquilibriumModel
 
-FILES = ("equilibrium_model.npz", "inverse_model.npz")
+FILES = tuple(MODEL_FILES.values())
 
 
 def adopt_models(source: Path, target: Path, robot: str) -> list[Path]:
@@ -36,7 +37,7 @@ def adopt_models(source: Path, target: Path, robot: str) -> list[Path]:
         if (target / name).exists():
             raise ValueError(f"{target / name} is there already: choose an empty folder")
     for name in found:
-        if name == FILES[0]:
+        if name == MODEL_FILES["pressure_ctrl"]:
             EquilibriumModel.load(source / name, None).save(target / name, robot)
         else:
             save_checkpoint(target / name, load_checkpoint(source / name, robot=None), robot=robot)

@@ -146,8 +146,7 @@ class RobotConnection:
             raise RobotError(f"the action {name} does not answer")
         handle = accepted.result()
         if not handle.accepted:
-            why = self.status.mode if self.status is not None else "its log says why"
-            raise RobotError(f"{name} was refused ({why})")
+            raise RobotError(f"{name} was refused: the log of {name.split('/')[0]} says why")
         ended = handle.get_result_async()
         try:
             self.wait(ended.done, timeout=float("inf"))

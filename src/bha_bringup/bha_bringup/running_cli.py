@@ -13,6 +13,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from bha_bringup.disturbing import as_parameters, read_disturbances
+from bha_bringup.graph import MODEL_FILES
 from bha_bringup.graph_lock import stop_owner
 from bha_bringup.model_transfer import adopt_models
 from bha_bringup.robot_client import CONTROLLER, LEARNER, SIMULATOR, RobotClient
@@ -21,7 +22,9 @@ from bha_bringup.robot_connection import RobotError
 app = typer.Typer()
 console = Console(highlight=False)
 
-Point = Annotated[float, typer.Argument(help="Coordinate in bha_base [m].")]
+# Ubuntu 24.04's typer, 0.9, knows no `Path | None`.
+MaybePath = Optional[Path]  # noqa: UP045
+Point = Annotated[float, typer.Argument(help="Coordinate in bha_base, in m.")]
 Feedback = Annotated[bool, typer.Option(help="Use Cartesian feedback: exact, but slow.")]
 
 
@@ -30,13 +33,16 @@ def identify(
     samples: Annotated[int, typer.Argument(help="Settled postures; 0: the default.")] = 0,
 ) -> None:
     """Let the pressure controller learn which pressures hold which lengths."""
-    with RobotClient() as robot, _Line() as tell:
-        result = robot.identify(
-            samples,
-            lambda seen: tell(f"{seen.collected}/{seen.requested} postures, {seen.elapsed:.0f} s"),
-        )
-        robot.save(CONTROLLER)
-    console.print(result.message)
+    with RobotClient() as robot:
+        with _Line() as tell:
+            result = robot.identify(
+                samples,
+                lambda seen: tell(
+                    f"{seen.collected}/{seen.requested} postures, {seen.elapsed:.0f} s"
+                ),
+            )
+        console.print(result.message)
+        _keep(robot, CONTROLLER)
 
 
 @app.command()
@@ -45,17 +51,18 @@ def babble(
     restart: Annotated[bool, typer.Option(help="Forget what was learned before.")] = False,
 ) -> None:
     """Explore and learn; Ctrl-C ends it and keeps what was learned."""
-    with RobotClient() as robot, _Line() as tell:
-        result = robot.babble(
-            minutes * 60.0,
-            restart=restart,
-            progress=lambda seen: tell(
-                f"{seen.elapsed / 60:.1f}/{minutes:g} min, {seen.status.movements} movements, "
-                f"recent error {seen.status.recent_error * 1e3:.0f} mm"
-            ),
-        )
-        robot.save(LEARNER)
-    console.print(result.message)
+    with RobotClient() as robot:
+        with _Line() as tell:
+            result = robot.babble(
+                minutes * 60.0,
+                restart=restart,
+                progress=lambda seen: tell(
+                    f"{seen.elapsed / 60:.1f}/{minutes:g} min, {seen.status.movements} movements, "
+                    f"recent error {seen.status.recent_error * 1e3:.0f} mm"
+                ),
+            )
+        console.print(result.message)
+        _keep(robot, LEARNER)
 
 
 @app.command(context_settings={"ignore_unknown_options": True})
@@ -67,7 +74,7 @@ def goal(x: Point, y: Point, z: Point, feedback: Feedback = False) -> None:
 
 @app.command(context_settings={"ignore_unknown_options": True})
 def reach(x: Point, y: Point, z: Point, feedback: Feedback = False) -> None:
-    """Go to a goal and wait until the tip is at rest."""
+    """Go to a goal and wait until the tip is at rest; exit with 1 when that takes too long."""
     with RobotClient() as robot, _Line() as tell:
         result = robot.reach(
             np.array([x, y, z]),
@@ -79,6 +86,8 @@ def reach(x: Point, y: Point, z: Point, feedback: Feedback = False) -> None:
         f"{result.message} after {result.duration:.1f} s: tip at {tip} m, "
         f"{result.error * 1e3:.1f} mm from the goal"
     )
+    if not result.success:
+        raise typer.Exit(1)
 
 
 @app.command()
@@ -121,8 +130,8 @@ def status() -> None:
 @app.command()
 def save(
     folder: Annotated[
-        Path, typer.Argument(help="Where to; default: where `up` keeps them.")
-    ] = Path(),
+        MaybePath, typer.Argument(help="Where to; default: where `up` keeps them.")
+    ] = None,
 ) -> None:
     """Save the models of the controller and the learner."""
     _both_models(lambda robot, node, path: robot.save(node, path), folder)
@@ -131,8 +140,8 @@ def save(
 @app.command()
 def load(
     folder: Annotated[
-        Path, typer.Argument(help="Where from; default: where `up` keeps them.")
-    ] = Path(),
+        MaybePath, typer.Argument(help="Where from; default: where `up` keeps them.")
+    ] = None,
 ) -> None:
     """Load models into the controller and the learner."""
     _both_models(lambda robot, node, path: robot.load(node, path), folder)
@@ -159,10 +168,18 @@ def stop() -> None:
     console.print("stopped")
 
 
-def _both_models(act: Callable[[RobotClient, str, str], str], folder: Path) -> None:
+def _keep(robot: RobotClient, node: str) -> None:
+    """Save what was learned; where that fails, as without a file, it was learned all the same."""
+    try:
+        robot.save(node)
+    except RobotError as error:
+        console.print(f"not saved ({error}): `bha save FOLDER` saves it", markup=False)
+
+
+def _both_models(act: Callable[[RobotClient, str, str], str], folder: Path | None) -> None:
     with RobotClient() as robot:
-        for node, name in ((CONTROLLER, "equilibrium_model"), (LEARNER, "inverse_model")):
-            path = "" if folder == Path() else str(folder.absolute() / f"{name}.npz")
+        for node, name in MODEL_FILES.items():
+            path = "" if folder is None else str(folder.expanduser().absolute() / name)
             console.print(f"{node}: {act(robot, node, path)}")
 
 

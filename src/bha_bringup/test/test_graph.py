@@ -3,6 +3,7 @@
 import ast
 import dataclasses
 import importlib
+import re
 from pathlib import Path
 from typing import Any
 
@@ -272,6 +273,35 @@ class TestLaunchFile:
         for default, description, choices in launch_arguments().values():
             assert len(description) > 10
             assert choices is None or default in choices
+
+
+class TestCompose:
+    """A container a node: together they are the graph that `up` starts."""
+
+    SERVICES = yaml.safe_load((SOURCES.parent / "docker/compose.yaml").read_text())["services"]
+
+    def check(self, nodes: list[NodeDescription], environment: dict[str, str]) -> None:
+        for node in nodes:
+            command = [
+                re.sub(r"\$\{(\w+):-(.*?)\}", lambda m: environment.get(m[1], m[2]), part)
+                for part in self.SERVICES[node.executable]["command"]
+            ]
+            assert command[1:3] == [node.package, node.executable]
+            given = dict(part.split(":=") for part in command if ":=" in part)
+            values = {**declared(node), **given}
+            for name, value in node.parameters.items():
+                assert str(values[name]) == str(value), f"{node.executable}: {name}"
+
+    def test_simulated(self) -> None:
+        models = Path("/home/bha/models/bha_sim_0")
+        self.check(describe_graph(GraphSettings(models=models)), {})
+
+    def test_on_the_pneumatics(self) -> None:
+        """Else its models would be taken for those of the simulator, and the other way round."""
+        models = Path("/home/bha/models/cpx_e_lab")
+        settings = GraphSettings(robot="hardware", terminal=LAB, models=models)
+        _, *others = describe_graph(settings)
+        self.check(others, {"ROBOT": "cpx_e_lab"})
 
 
 class TestParameterFile:

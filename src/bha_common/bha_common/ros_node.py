@@ -28,6 +28,7 @@ from rclpy.task import Future
 
 from bha_common.files import ModelFileError
 from bha_common.ros_intake import Intake
+from bha_common.ros_parameters import refuse_unknown
 from bha_common.ros_streams import Streams
 from bha_common.ros_wire import decoder
 
@@ -182,10 +183,14 @@ def run(make_node: Callable[[], BhaNode]) -> int:
         user in parameters or files, and is told without a traceback.
     """
     init()
+    node: BhaNode | None = None
     try:
         node = make_node()
+        refuse_unknown(node)
     except (ValueError, ModelFileError, ParameterException) as error:
         sys.stderr.write(f"error: {error}\n")
+        if node is not None:
+            node.destroy_node()
         try_shutdown()
         return 2
     try:

@@ -6,6 +6,7 @@ import dataclasses
 import math
 from array import array
 from collections.abc import Callable, Sequence
+from difflib import get_close_matches
 from typing import Any, TypeVar, get_type_hints
 
 from rcl_interfaces.msg import (
@@ -64,6 +65,27 @@ def declare_settings(
     if on_change is not None:
         _follow(node, cls, prefix, list(values), on_change)
     return settings
+
+
+def refuse_unknown(node: Node) -> None:
+    """Refuse what a user has given to a parameter that no one declares, once all are declared.
+
+    rclpy leaves such a value out without a word: a limit with a letter amiss would not hold.
+
+    Raises
+    ------
+    ValueError
+        Naming each unknown parameter, and those that may be meant.
+    """
+    known = node.get_parameters_by_prefix("")
+    complaints = []
+    for name in node._parameter_overrides:  # rclpy tells nowhere else what was given
+        if name not in known:
+            near = get_close_matches(name, known)
+            meant = f" (is {' or '.join(near)} meant?)" if near else ""
+            complaints.append(f"there is no parameter {name!r}{meant}")
+    if complaints:
+        raise ValueError(f"{node.get_name()}: {'; '.join(complaints)}")
 
 
 def _follow(

@@ -18,7 +18,7 @@ from rclpy.exceptions import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from bha_common.ros_parameters import declare_settings
+from bha_common.ros_parameters import declare_settings, refuse_unknown
 from bha_common.settings import check_settings, setting
 
 
@@ -133,6 +133,19 @@ def test_values_out_of_range_name_the_parameter(
 def test_values_of_another_type(declare: Any, given: dict[str, Any]) -> None:
     with pytest.raises(InvalidParameterTypeException, match=next(iter(given))):
         declare(**given)
+
+
+def test_a_parameter_that_no_one_declares_is_refused(declare: Any) -> None:
+    """With those that may be meant; what rclpy declares by itself is none of them."""
+    node, _ = declare(rate=1.0, use_sim_time=False, gains__proportional=2.0)
+    refuse_unknown(node)
+    node, _ = declare(gains__proportionl=2.0, zzz=1)
+    with pytest.raises(ValueError, match="example: there is no parameter") as refusal:
+        refuse_unknown(node)
+    assert str(refusal.value) == (
+        "example: there is no parameter 'gains.proportionl' (is gains.proportional meant?); "
+        "there is no parameter 'zzz'"
+    )
 
 
 def test_the_errors_are_those_that_end_a_node_with_a_message() -> None:
