@@ -32,7 +32,6 @@ from bha_bringup.demo import run_demo
 from bha_bringup.demo_record import DemoRecord
 from bha_bringup.demo_settings import DemoSettings
 from bha_bringup.graph import EMULATED, SIM
-from bha_bringup.graph_lock import owning_graph
 
 BOUND = 0.2
 """Largest relative difference of the mean errors that is called the same."""
@@ -112,8 +111,7 @@ def stored(settings: DemoSettings) -> dict[str, NDArray[np.float64]] | None:
 def measure(settings: DemoSettings, console: Console) -> dict[str, NDArray[np.float64]]:
     """Run a demonstration; its errors by kind [m]."""
     record = DemoRecord(settings)
-    with owning_graph():
-        run_demo(record, console)
+    run_demo(record, console)
     return {kind: record.errors(kind) for kind in KINDS}
 
 
