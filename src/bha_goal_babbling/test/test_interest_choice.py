@@ -8,9 +8,7 @@ from bha_goal_babbling.errors import InvalidConfigError
 from bha_goal_babbling.goal_babbler import GoalBabbler
 from bha_goal_babbling.goal_paths import GoalPaths
 from bha_goal_babbling.interest_choice import InterestGoalChoice
-from bha_goal_babbling.movements import Movements, restored_targets
 from bha_goal_babbling.planar_arm import PlanarArm
-from bha_goal_babbling.saved_state import SavedState
 
 
 def reported(errors: list[list[float]], **settings: float) -> InterestGoalChoice:
