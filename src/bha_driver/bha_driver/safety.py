@@ -89,8 +89,10 @@ class Safety:
         if not self._active:
             self._gate.drop(time)
             self._active = True
-            self._set_points.begin()
-            self._link.begin(time)
+            # While it vents still, how long ago the last write was tells what the terminal holds.
+            if not self.pressing:
+                self._set_points.begin()
+                self._link.begin(time)
         return ""
 
     def deactivate(self, time: float) -> None:
