@@ -88,7 +88,31 @@ def test_without_a_file_it_is_the_emulated_one() -> None:
             "bellows_1_2.length.register is 45393, which",
         ),
         ("bellows.bellows_1_1.length.register", 45000, "one read covers 125 at most"),
-        ("bellows.bellows_1_1.set_point.register", 40002, "is 40002, which is that of bellows_1_1"),
+        (
+            "bellows.bellows_1_1.set_point.register",
+            40002,
+            "set_point.register is 40002, which is that of bellows.bellows_1_1.set_point already",
+        ),
+        (
+            "watchdog.register",
+            40009,
+            "watchdog.register is 40009, which is that of bellows.bellows_3_3.set_point already",
+        ),
+        (
+            "watchdog.register",
+            45404,
+            "watchdog.register is 45404, which is that of bellows.bellows_1_1.pressure already",
+        ),
+        (
+            "bellows.bellows_2_1.length.register",
+            40004,
+            "bellows_2_1.length.register is 40004, which is that of bellows.bellows_2_1.set_point",
+        ),
+        (
+            "identity",
+            {"register": 45390, "words": [1, 2, 3]},
+            "the register of identity.words[2] is 45392, which is that of bellows.bellows_1_1.len",
+        ),
         ("bellows.bellows_1_1.set_point.register", 39990, "would overwrite 39991, 39992"),
         ("bellows.bellows_1_1.set_point.scale", -7.0, "set_point.scale must be above 0"),
         ("bellows.bellows_1_1.set_point.scale", 1.0, "would be the raw set-point 130000; at most"),
@@ -104,6 +128,15 @@ def test_what_is_wrong_is_named(path: str, value: Any, message: str | None) -> N
     with pytest.raises(TerminalMapError) as caught:
         parse_terminal(text)
     assert message in str(caught.value)
+
+
+def test_input_registers_have_addresses_of_their_own() -> None:
+    data = copy.deepcopy(GOOD)
+    data["inputs"] = "input"
+    for number, name in enumerate(bellows.NAMES):
+        data["bellows"][name]["length"]["register"] = 40001 + number
+        data["bellows"][name]["pressure"]["register"] = 40011 + number
+    assert parse_terminal(yaml.safe_dump(data)).input_block == (40001, 19)
 
 
 def test_files_that_cannot_be_read(tmp_path: Any) -> None:
