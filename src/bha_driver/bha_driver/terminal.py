@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import inspect
+import math
+import time
 from typing import Any
 
 import numpy as np
@@ -26,6 +28,21 @@ _UNIT = (
 )
 
 
+class _Client(ModbusTcpClient):
+    """A client whose reply must be whole in time; pymodbus by itself waits anew for each part."""
+
+    deadline = math.inf
+    """Until when to wait for the reply [s], by the steady clock."""
+
+    def recv(self, size: int | None) -> bytes:
+        """Wait for the next part of the reply; none is what pymodbus takes for no answer."""
+        left = self.deadline - time.monotonic()
+        if left <= 0.0:
+            return b""
+        self.comm_params.timeout_connect = left
+        return bytes(super().recv(size))
+
+
 class Terminal:
     """A connection to a terminal.
 
@@ -40,7 +57,7 @@ class Terminal:
 
     def __init__(self, terminal: TerminalMap) -> None:
         self._map = terminal
-        self._client: Any = None
+        self._client: _Client | None = None
 
     @property
     def connected(self) -> bool:
@@ -57,7 +74,7 @@ class Terminal:
         """
         self.close()
         where = f"{self._map.host}:{self._map.port}"
-        client = ModbusTcpClient(
+        client = _Client(
             self._map.host, port=self._map.port, timeout=self._map.timeouts.connect, retries=0
         )
         try:
@@ -70,7 +87,6 @@ class Terminal:
                 f"{where}: no connection (refused, or none in {self._map.timeouts.connect:g} s)",
                 gone=True,
             )
-        client.comm_params.timeout_connect = self._map.timeouts.request
         self._client = client
         self._check_identity()
 
@@ -159,6 +175,7 @@ class Terminal:
         if client is None or not client.is_socket_open():
             self.close()
             raise TerminalError("not connected")
+        client.deadline = time.monotonic() + self._map.timeouts.request
         try:
             answer = getattr(client, kind)(register, **arguments, **{_UNIT: self._map.unit})
         except (OSError, ModbusException) as error:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import socket
+import threading
+import time
 from collections.abc import Iterator
 from types import SimpleNamespace
 
@@ -104,6 +107,37 @@ def test_an_answer_that_is_late_is_never_taken_for_the_next(emulator: TerminalEm
     link.connect()
     assert scaling.lengths(link.read())[0] == pytest.approx(0.15, abs=2e-5)
     link.close()
+
+
+def test_an_answer_that_trickles_in_is_late() -> None:
+    """The time for a request is that for the whole of its answer."""
+    loaded = load_terminal(example_path("cpx_e"))
+    timeouts = dataclasses.replace(loaded.timeouts, request=0.06, connect=5.0)
+    words = 2 * loaded.input_block[1]
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def trickle() -> None:
+            connection, _ = server.accept()
+            with connection, contextlib.suppress(OSError):
+                request = connection.recv(100)
+                head = request[:5] + bytes([words + 3, request[6], request[7], words])
+                for byte in head + bytes(words):
+                    connection.sendall(bytes([byte]))
+                    time.sleep(0.05)
+
+        thread = threading.Thread(target=trickle)
+        thread.start()
+        port = server.getsockname()[1]
+        link = Terminal(
+            dataclasses.replace(loaded, host="127.0.0.1", port=port, timeouts=timeouts)
+        )
+        link.connect()
+        begin = time.monotonic()
+        with pytest.raises(TerminalError, match="no answer in time"):
+            link.read()
+        took = time.monotonic() - begin
+        thread.join()
+    assert took < 1.0, "all of it would take 2.2 s"
 
 
 def test_nobody_there() -> None:
