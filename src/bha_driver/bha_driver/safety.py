@@ -51,7 +51,7 @@ class Safety:
         self._set_points = SetPoints(terminal, period)
         self._faults = LatchedFaults()
         self._active = False
-        self._bad_range = ""
+        self._doubt = ""  # why the newest lengths cannot be believed
 
     @property
     def faults(self) -> tuple[Fault, ...]:
@@ -117,7 +117,6 @@ class Safety:
         if self._active and self._why_not_driven():
             return self._why_not_driven()
         self._faults.clear()
-        self._plausibility.forget()
         self._gate.reset_stop(time)
         return ""
 
@@ -155,13 +154,10 @@ class Safety:
     def see(self, time: float, block: Words) -> bool:
         """Judge what was read at `time` [s]; whether the lengths can be believed."""
         self._link.read(time)
-        lengths = self._scaling.lengths(block)
-        self._bad_range = self._plausibility.out_of_range(lengths)
-        which, why = self._plausibility.judge(
-            time, self._scaling.raw_lengths(block), lengths, self.applied
-        )
+        raw, lengths = self._scaling.raw_lengths(block), self._scaling.lengths(block)
+        which, self._doubt = self._plausibility.judge(time, raw, lengths, self.applied)
         if which and (self._active or self.pressing):
-            self._latch(which, why, time)
+            self._latch(which, self._doubt, time)
         return not which
 
     def confirmed(self, time: float) -> None:
@@ -206,7 +202,7 @@ class Safety:
 
     def _why_not_driven(self) -> str:
         """Tell why this terminal must not be driven as it is now; empty when it may."""
-        return self._bad_range if self._link.linked else f"not connected: {self._link.trouble}"
+        return self._doubt if self._link.linked else f"not connected: {self._link.trouble}"
 
     def _begin_at_nothing(self) -> None:
         self._set_points.begin_at_nothing()

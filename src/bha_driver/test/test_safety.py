@@ -433,10 +433,40 @@ class TestFrozen:
     def test_a_reading_that_moves_by_a_count_is_not_frozen(self) -> None:
         assert not self.run(moving=True, pressed=True, seconds=3.0).safety.stopped
 
+    def test_no_reset_before_it_has_moved(self) -> None:
+        """Venting moves a sound potentiometer; a person can move it by hand."""
+        robot = self.run(moving=False, pressed=True, seconds=2.0)
+        block = inputs(0.2)
+        for _ in range(300):  # vented long ago
+            robot.time += PERIOD
+            robot.safety.see(robot.time, block)
+            robot.write()
+        assert "bellows_1_1 has kept to the raw value" in robot.safety.reset(robot.time)
+        assert robot.safety.stopped
+        robot.time += PERIOD
+        block[:8] += 1
+        robot.safety.see(robot.time, block)
+        assert "bellows_3_3 has kept to the raw value" in robot.safety.reset(robot.time)
+        robot.time += PERIOD
+        block[8] += 1
+        robot.safety.see(robot.time, block)
+        assert robot.safety.reset(robot.time) == ""
+
+    def test_no_activation_before_it_has_moved(self) -> None:
+        robot = self.run(moving=False, pressed=True, seconds=2.0)
+        robot.safety.deactivate(robot.time)
+        robot.safety.see(robot.time, inputs(0.2))
+        assert robot.safety.reset(robot.time) == "", "nothing is driven"
+        robot.safety.see(robot.time, inputs(0.2))
+        assert "has kept to the raw value" in robot.safety.activate(robot.time)
+        robot.safety.see(robot.time, inputs(0.201))
+        assert robot.safety.activate(robot.time) == ""
+
     def test_after_a_reset_it_is_found_again(self) -> None:
         robot = self.run(moving=False, pressed=True, seconds=2.0)
+        block = inputs(0.201)
+        robot.safety.see(robot.time, block)
         assert robot.safety.reset(robot.time) == ""
-        block = inputs(0.2)
         for _ in range(100):
             robot.time += PERIOD
             robot.safety.see(robot.time, block)
