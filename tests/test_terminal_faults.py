@@ -196,6 +196,16 @@ def test_the_watchdog_is_armed_by_activation_and_fed_by_writes_alone() -> None:
         assert not bench.outputs.any(), "what the terminal vented is not pressed again"
 
 
+def test_a_frozen_length_is_found_when_the_clock_was_set_back(bench: TerminalBench) -> None:
+    bench.run(0.5)
+    bench.driver.close(lambda: bench.time, bench._pass)
+    bench.emulator.begin("freeze")
+    bench.time -= 3600.0
+    bench.start()
+    bench.until(lambda: bench.safety.stopped, MAP.limits.frozen_time + BOUND)
+    assert bench.safety.faults[0].which == "length frozen"
+
+
 def test_another_terminal_is_not_driven() -> None:
     from bha_driver.errors import TerminalError
 

@@ -69,7 +69,8 @@ class ControlCycle:
             When that fails.
         """
         self._armed = False
-        self._retry_at = -np.inf  # the clock may have been set back since
+        self._retry_at = -np.inf
+        self._safety.begin(time)
         for attempt in range(_TRIES):
             try:
                 self._terminal.connect()

@@ -122,6 +122,11 @@ class Safety:
 
     # --- what is seen ----------------------------------------------------------------------
 
+    def begin(self, time: float) -> None:
+        """Take `time` [s] for now, and forget readings: the clock may have been set back."""
+        self._plausibility.forget()
+        self._link.begin(time)
+
     def link_made(self, time: float, *, intact: bool) -> None:
         """Take note of a new connection.
 
