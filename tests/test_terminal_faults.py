@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import gc
 import os
 import threading
@@ -216,12 +217,23 @@ def test_another_terminal_is_not_driven() -> None:
         assert not bench.driver.connected
 
 
-def test_the_end_vents(bench: TerminalBench) -> None:
-    bench.run(2.0)
-    begin = bench.time
-    bench.driver.close(lambda: bench.time, bench._pass)
-    assert not bench.outputs.any()
-    assert bench.time - begin < 1.2
+@pytest.mark.parametrize(
+    ("period", "rate", "takes"),
+    [(0.02, 1e6, 1.0), (0.005, 1e6, 1.0), (0.05, 1e6, 1.0), (0.02, 2e4, 2.0)],
+)
+def test_the_end_vents_in_time(period: float, rate: float, takes: float) -> None:
+    """Whatever the period, and although the limited rate would take 5 s."""
+    limits = dataclasses.replace(MAP.limits, pressure_rate=rate)
+    with TerminalBench(dataclasses.replace(MAP, limits=limits), period) as bench:
+        bench.start()
+        while bench.outputs.max() < 1e5:
+            bench.command = np.full(9, 1e5)
+            bench.cycle()
+        begin = bench.time
+        bench.driver.close(lambda: bench.time, bench._pass)
+        assert not bench.outputs.any()
+        assert bench.emulator.registers.trips == 0, "the driver did it, not the watchdog"
+        assert takes - 0.3 < bench.time - begin < takes + 2 * period
 
 
 def _leaks() -> tuple[int, int, int, float]:

@@ -17,6 +17,9 @@ from bha_driver.terminal_map import TerminalMap
 Array = NDArray[np.float64]
 
 _TRIES = 3
+_LONGEST_END = 2.0
+"""After so long [s] what is left is vented at once: nodes that take 5 s to end are killed, and each
+of two more writes may take a second, the longest `timeouts.request`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,16 +127,23 @@ class ControlCycle:
         return True
 
     def close(self, clock: Callable[[], float], wait: Callable[[float], None]) -> None:
-        """Vent, then close the connection.
+        """Vent, then close the connection; that takes 4 s at most.
+
+        A terminal that cannot be reached vents by itself.
 
         Parameters
         ----------
         clock : Tells the time [s].
         wait : Waits for a time [s].
         """
-        self._safety.deactivate(clock())
-        while self._safety.pressing and self.write(clock(), ending=True):
-            wait(0.02)
+        begin = clock()
+        self._safety.deactivate(begin)
+        while self._safety.pressing:
+            if clock() - begin >= _LONGEST_END:
+                self._safety.vent_at_once()
+            if not self.write(clock(), ending=True):
+                break
+            wait(self._safety.period)
         self._terminal.close()
         self._safety.link_failed(clock(), "closed")
 

@@ -43,6 +43,8 @@ class Safety:
     INACTIVE = "inactive"
 
     def __init__(self, terminal: TerminalMap, settings: SafetySettings, period: float) -> None:
+        self.period = period
+        """Time between two cycles [s]."""
         self._limits, self._settings = terminal.limits, settings
         self._gate = CommandGate(settings)
         self._scaling = Scaling(terminal)
@@ -139,7 +141,7 @@ class Safety:
         if not intact:
             if self.pressing:
                 self._latch(RESTARTED, "what it held is gone, or not known", time)
-            self._begin_at_nothing()
+            self.vent_at_once()
         self._link.linked = True
 
     def link_failed(self, time: float, why: str = "", *, gone: bool = False) -> None:
@@ -172,6 +174,11 @@ class Safety:
 
     # --- what is written -------------------------------------------------------------------
 
+    def vent_at_once(self) -> None:
+        """Go on from no pressure, whatever `limits.pressure_rate` says."""
+        self._set_points.begin_at_nothing()
+        self._gate.applied(self.applied)
+
     def set_points(self, time: float, *, ending: bool = False) -> Words | None:
         """Decide what to write now.
 
@@ -192,7 +199,7 @@ class Safety:
         overdue = self._link.overdue(time)
         if self.pressing and overdue:
             self._latch(OVERSLEPT, f"none for {overdue:.2f} s", time)
-            self._begin_at_nothing()
+            self.vent_at_once()
         block = self._set_points.move(self._wanted(time, elapsed, ending), elapsed)
         self._gate.applied(self.applied)
         return block
@@ -208,10 +215,6 @@ class Safety:
     def _why_not_driven(self) -> str:
         """Tell why this terminal must not be driven as it is now; empty when it may."""
         return self._doubt if self._link.linked else f"not connected: {self._link.trouble}"
-
-    def _begin_at_nothing(self) -> None:
-        self._set_points.begin_at_nothing()
-        self._gate.applied(self.applied)
 
     def _latch(self, which: str, why: str, time: float) -> None:
         self._gate.stop()
