@@ -207,6 +207,14 @@ def test_a_frozen_length_is_found_when_the_clock_was_set_back(bench: TerminalBen
     assert bench.safety.faults[0].which == "length frozen"
 
 
+def test_nothing_is_armed_when_activation_is_refused() -> None:
+    with TerminalBench() as bench:
+        bench.driver.open(bench.time)
+        bench.safety.stop(bench.time)
+        assert bench.driver.activate(bench.time) == "reset first: emergency stop"
+        assert not bench.emulator.registers.armed
+
+
 def test_another_terminal_is_not_driven() -> None:
     from bha_driver.errors import TerminalError
 

@@ -89,10 +89,11 @@ class ControlCycle:
 
     def activate(self, time: float) -> str:
         """Arm the terminal's watchdog and allow pressing; the reason when not, else empty."""
+        if reason := self._safety.refusal():
+            return reason
         try:
-            if self._terminal.connected:
-                self._terminal.arm_watchdog()
-                self._armed = True
+            self._terminal.arm_watchdog()
+            self._armed = True
         except TerminalError as error:
             self._fail(time, error)
             return str(error)

@@ -82,12 +82,14 @@ class Safety:
 
     # --- what is wanted --------------------------------------------------------------------
 
+    def refusal(self) -> str:
+        """Tell why the driver cannot be activated now; empty when it can."""
+        return f"reset first: {self.faults[0]}" if self._faults else self._why_not_driven()
+
     def activate(self, time: float) -> str:
         """Allow pressing from `time` [s] on; the reason when that cannot be, else empty."""
-        if self._faults:
-            return f"reset first: {self.faults[0]}"
-        if self._why_not_driven():
-            return self._why_not_driven()
+        if reason := self.refusal():
+            return reason
         if not self._active:
             self._gate.drop(time)
             self._active = True
