@@ -128,9 +128,7 @@ def test_an_answer_that_trickles_in_is_late() -> None:
         thread = threading.Thread(target=trickle)
         thread.start()
         port = server.getsockname()[1]
-        link = Terminal(
-            dataclasses.replace(loaded, host="127.0.0.1", port=port, timeouts=timeouts)
-        )
+        link = Terminal(dataclasses.replace(loaded, host="127.0.0.1", port=port, timeouts=timeouts))
         link.connect()
         begin = time.monotonic()
         with pytest.raises(TerminalError, match="no answer in time"):

@@ -5,6 +5,7 @@ import pytest
 import yaml
 
 from bha_common import bellows
+from bha_driver.driver_settings import DriverSettings
 from bha_driver.errors import TerminalMapError
 from bha_driver.terminal_file import example_path, load_terminal, parse_terminal
 
@@ -76,6 +77,10 @@ def test_without_a_file_it_is_the_emulated_one() -> None:
         ("bellows.bellows_1_1.set_point", ..., "bellows.bellows_1_1.set_point is missing"),
         ("bellows.bellows_1_1.length.sclae", 1.0, "bellows_1_1.length.sclae is unknown; valid are"),
         ("bellows.bellows_1_1.length.scale", 0.0, "bellows_1_1.length.scale is 0"),
+        ("bellows.bellows_1_1.set_point.scale", 1.0e-320, "set_point.scale is 9.99989e-321; one"),
+        ("bellows.bellows_1_1.set_point.offset", -1.0e300, "set_point.offset is -1e+300; valid"),
+        ("bellows.bellows_1_1.length.scale", 10**400, "length.scale is too large a number"),
+        ("port", 10**400, "port is too large a number; it has 401 digits"),
         ("bellows.bellows_1_1.length.register", 65536, "length.register is 65536; valid is 0 to"),
         (
             "bellows.bellows_1_1.length.format",
@@ -137,6 +142,31 @@ def test_input_registers_have_addresses_of_their_own() -> None:
         data["bellows"][name]["length"]["register"] = 40001 + number
         data["bellows"][name]["pressure"]["register"] = 40011 + number
     assert parse_terminal(yaml.safe_dump(data)).input_block == (40001, 19)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("name: a\nhost: b\nname: c", "line 3: name stands in line 1 already"),
+        ("limits:\n  pressure: 5.0e+4\n  pressure: 1.3e+5", "line 3: pressure stands in line 2"),
+        ("bellows: {bellows_1_1: {scale: 1.0, scale: 2.0}}", "line 1: scale stands in line 1"),
+        (f"port: {'9' * 5000}", "not YAML"),
+    ],
+)
+def test_yaml_that_is_not_what_it_seems(text: str, message: str) -> None:
+    with pytest.raises(TerminalMapError, match=message):
+        parse_terminal(text)
+
+
+@pytest.mark.parametrize(("period", "good"), [(0.03, True), (0.031, False), (0.1, False)])
+def test_a_control_period_must_suit_the_terminal(period: float, good: bool) -> None:
+    chosen = DriverSettings(terminal=str(example_path("cpx_e")), control_period=period)
+    if good:
+        assert chosen.terminal_map().name == "cpx_e_lab"
+        return
+    message = rf"control_period is {period:g}; it must be at most half of timeouts.link, 0.06 s"
+    with pytest.raises(TerminalMapError, match=message):
+        chosen.terminal_map()
 
 
 def test_files_that_cannot_be_read(tmp_path: Any) -> None:
