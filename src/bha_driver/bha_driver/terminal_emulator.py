@@ -180,8 +180,6 @@ class TerminalEmulator:
     ) -> ExcCodes | None:
         """Answer a request; called by pymodbus before it looks into its own registers."""
         self.requests += 1
-        if "delay" in self._faults:
-            await asyncio.sleep(self.delay)
         if "exception" in self._faults:
             return ExcCodes.DEVICE_BUSY
         if function in _WRITES and values is not None:
@@ -191,6 +189,8 @@ class TerminalEmulator:
             registers[address - start : address - start + count] = self.registers.read(
                 address, count
             )
+        if "delay" in self._faults:  # the request is done at once, only its reply is late
+            await asyncio.sleep(self.delay)
         return None
 
     def _distort(self, sending: bool, packet: bytes) -> bytes:

@@ -109,6 +109,19 @@ def test_an_answer_that_is_late_is_never_taken_for_the_next(emulator: TerminalEm
     link.close()
 
 
+def test_a_late_answer_is_one_to_what_was_done_in_time(emulator: TerminalEmulator) -> None:
+    terminal = reached(emulator)
+    link, scaling = Terminal(terminal), Scaling(terminal)
+    link.connect()
+    emulator.delay = 10.0
+    emulator.begin("delay")
+    wanted = scaling.set_points(np.full(9, 5e4))
+    with pytest.raises(TerminalError, match="no answer in time"):
+        link.write(wanted)
+    assert emulator.registers.outputs == tuple(wanted.tolist())
+    emulator.end("delay")
+
+
 def test_an_answer_that_trickles_in_is_late() -> None:
     """The time for a request is that for the whole of its answer."""
     loaded = load_terminal(example_path("cpx_e"))
