@@ -15,7 +15,7 @@ from pymodbus.simulator import DataType, SimData, SimDevice
 
 from bha_driver import modbus_log
 from bha_driver.emulated_registers import EmulatedPlant, EmulatedRegisters
-from bha_driver.errors import TerminalError
+from bha_driver.errors import AddressError
 from bha_driver.terminal_map import TerminalMap
 from bha_driver.wire_faults import FAULTS, Fault
 
@@ -147,7 +147,7 @@ class TerminalEmulator:
             device, address=(self._host, self.port), trace_packet=self._distort
         )
         if not await server.listen():
-            raise TerminalError(f"{self._host}:{self.port}: cannot listen there; is it in use?")
+            raise AddressError(f"{self._host}:{self.port}: cannot listen there; is it in use?")
         listener: Any = server.transport
         self.port = listener.sockets[0].getsockname()[1]
         self._server = server

@@ -13,7 +13,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from bha_driver.errors import TerminalError
+from bha_driver.errors import AddressError, TerminalError
 from bha_driver.scaling import Scaling
 from bha_driver.terminal import Terminal
 from bha_driver.terminal_check import survey
@@ -166,7 +166,7 @@ def test_a_port_that_is_taken_is_told() -> None:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = taken.getsockname()[1]
-        with pytest.raises(TerminalError, match="cannot listen there; is it in use"):
+        with pytest.raises(AddressError, match="cannot listen there; is it in use"):
             TerminalEmulator(load_terminal(), Bench(), port=port).__enter__()
 
 
