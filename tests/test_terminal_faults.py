@@ -5,10 +5,12 @@ from __future__ import annotations
 import dataclasses
 import gc
 import os
+import socket
 import threading
 from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -173,6 +175,31 @@ def test_a_single_late_answer_is_no_fault(bench: TerminalBench) -> None:
     assert not bench.safety.stopped
     assert bench.driver.failures == 1
     assert bench.safety.state == "running"
+
+
+def test_a_name_server_that_is_gone_does_not_hold_the_cycle(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The name of the host is looked up when the driver is configured, and not again."""
+    look_up, names = socket.getaddrinfo, []
+
+    def counting(host: str, *rest: Any, **more: Any) -> Any:
+        names.append(host)
+        return look_up(host, *rest, **more)
+
+    monkeypatch.setattr(socket, "getaddrinfo", counting)
+    with TerminalBench(dataclasses.replace(MAP, host="localhost")) as bench:
+        bench.start()
+        assert names == ["localhost"]
+        bench.run(0.5)
+        bench.emulator.begin("cut")
+        bench.run(0.5)
+        assert bench.driver.connected
+        assert len(names) > 1
+        assert "localhost" not in names[1:]
+        names.clear()
+        bench.driver.open(bench.time)
+        assert names == ["localhost"], "its address may be another now"
 
 
 def test_the_watchdog_is_armed_by_activation_and_fed_by_writes_alone() -> None:

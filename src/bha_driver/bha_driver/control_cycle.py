@@ -155,7 +155,7 @@ class ControlCycle:
         return Reading(self._scaling.lengths(block), self._scaling.pressures(block), plausible)
 
     def _connect_again(self, time: float) -> None:
-        self._terminal.connect()
+        self._terminal.reconnect()
         intact = False
         if self._armed:
             # A terminal that was restarted has forgotten its watchdog.

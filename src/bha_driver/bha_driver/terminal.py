@@ -57,6 +57,7 @@ class Terminal:
 
     def __init__(self, terminal: TerminalMap) -> None:
         self._map = terminal
+        self._address = terminal.host
         self._client: _Client | None = None
 
     @property
@@ -67,26 +68,37 @@ class Terminal:
     def connect(self) -> None:
         """Open a connection, and make sure that it is this terminal.
 
+        Looking up the name of a host may take long, whatever `timeouts.connect` says.
+
         Raises
         ------
         TerminalError
             When there is no connection in time, or the terminal shows another identity.
         """
+        self._address = self._map.host
+        self.reconnect()
+
+    def reconnect(self) -> None:
+        """Do as `connect`, but at the address that the host had then: no name is looked up.
+
+        Raises
+        ------
+        TerminalError
+            As `connect` does.
+        """
         self.close()
         where = f"{self._map.host}:{self._map.port}"
         client = _Client(
-            self._map.host, port=self._map.port, timeout=self._map.timeouts.connect, retries=0
+            self._address, port=self._map.port, timeout=self._map.timeouts.connect, retries=0
         )
         try:
-            connected = client.connect()
+            client.connect()
+            if client.socket is None:
+                raise OSError(f"refused, no such host, or none in {self._map.timeouts.connect:g} s")
+            self._address = client.socket.getpeername()[0]
         except (OSError, ModbusException) as error:
-            raise TerminalError(f"{where}: no connection ({error})", gone=True) from None
-        if not connected:
             client.close()
-            raise TerminalError(
-                f"{where}: no connection (refused, or none in {self._map.timeouts.connect:g} s)",
-                gone=True,
-            )
+            raise TerminalError(f"{where}: no connection ({error})", gone=True) from None
         self._client = client
         self._check_identity()
 
