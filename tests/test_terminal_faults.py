@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import gc
 import os
+import re
 import socket
 import threading
 from collections.abc import Iterator
@@ -16,7 +17,9 @@ import numpy as np
 import pytest
 
 from bha_common.command_gate import SafetySettings
+from bha_driver.control_cycle import ControlCycle
 from bha_driver.fault_player import FaultPlayer
+from bha_driver.safety import Safety
 from bha_driver.wire_faults import FAULTS, random_faults
 from terminal_bench import MAP, PERIOD, TerminalBench
 
@@ -240,6 +243,27 @@ def test_nothing_is_armed_when_activation_is_refused() -> None:
         bench.safety.stop(bench.time)
         assert bench.driver.activate(bench.time) == "reset first: emergency stop"
         assert not bench.emulator.registers.armed
+
+
+def test_a_terminal_that_another_driver_presses_is_not_driven(bench: TerminalBench) -> None:
+    bench.run(1.0)
+    address = dataclasses.replace(bench.terminal, port=bench.emulator.port)
+    safety = Safety(address, SafetySettings(), PERIOD)
+    second = ControlCycle(address, safety)
+    second.open(bench.time)
+    count = len(bench.emulator.registers.writes)
+    reason = second.activate(bench.time)
+    assert re.match(r"the terminal holds \d+ Pa at bellows_\d_\d, which this driver", reason)
+    assert safety.state == "inactive"
+    bench.run(0.1)
+    second.close(lambda: bench.time, bench._pass)
+    assert len(bench.emulator.registers.writes) == count + 5, "only the first one has written"
+    assert bench.safety.state == "running"
+    # Its own pressures are no reason against it.
+    bench.safety.deactivate(bench.time)
+    bench.run(0.1)
+    assert bench.outputs.any()
+    assert bench.driver.activate(bench.time) == ""
 
 
 def test_another_terminal_is_not_driven() -> None:

@@ -92,6 +92,8 @@ class ControlCycle:
         if reason := self._safety.refusal():
             return reason
         try:
+            if reason := self._safety.not_ours(self._terminal.set_points()):
+                return reason
             self._terminal.arm_watchdog()
             self._armed = True
         except TerminalError as error:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from bha_common import bellows
 from bha_common.command_gate import CommandGate, SafetySettings
 from bha_driver.latched_faults import (
     EMERGENCY_STOP,
@@ -85,6 +86,23 @@ class Safety:
     def refusal(self) -> str:
         """Tell why the driver cannot be activated now; empty when it can."""
         return f"reset first: {self.faults[0]}" if self._faults else self._why_not_driven()
+
+    def not_ours(self, held: Words) -> str:
+        """Tell that a terminal which holds these set-points is pressed by someone else, else empty.
+
+        Parameters
+        ----------
+        held : Raw set-points that were read back, shape (9,).
+        """
+        pressures = self._scaling.commanded(held)
+        pressed = pressures >= self._scaling.count_worth
+        if not pressed.any() or np.array_equal(held, self._scaling.set_points(self.applied)):
+            return ""
+        highest = int(np.argmax(pressures))
+        return (
+            f"the terminal holds {pressures[highest]:.0f} Pa at {bellows.NAMES[highest]}, which "
+            "this driver has not written: end the other driver that does, or vent by hand"
+        )
 
     def activate(self, time: float) -> str:
         """Allow pressing from `time` [s] on; the reason when that cannot be, else empty."""

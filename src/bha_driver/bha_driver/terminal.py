@@ -132,6 +132,16 @@ class Terminal:
         """
         self._request("write_registers", self._map.output_block[0], values=set_points.tolist())
 
+    def set_points(self) -> Words:
+        """Read the block of the set-points that the terminal holds, shape (9,).
+
+        Raises
+        ------
+        TerminalError
+            When there is no whole answer in time.
+        """
+        return self._read(*self._map.output_block)
+
     def watchdog(self) -> int | None:
         """Read what the watchdog's register holds; None when the map names no register.
 
