@@ -237,6 +237,19 @@ def test_a_frozen_length_is_found_when_the_clock_was_set_back(bench: TerminalBen
     assert bench.safety.faults[0].which == "length frozen"
 
 
+def test_no_activation_when_the_watchdog_cannot_be_armed(monkeypatch: pytest.MonkeyPatch) -> None:
+    with TerminalBench() as bench:
+        bench.driver.open(bench.time)
+        registers, write = bench.emulator.registers, bench.emulator.registers.write
+        monkeypatch.setattr(registers, "write", lambda at, words: write(at, [w + 1 for w in words]))
+        assert "holds 201 instead of 200" in bench.driver.activate(bench.time)
+        monkeypatch.undo()
+        assert bench.safety.state == "inactive"
+        bench.run(0.5)
+        assert not registers.writes
+        assert bench.driver.activate(bench.time) == "", "it has connected again"
+
+
 def test_nothing_is_armed_when_activation_is_refused() -> None:
     with TerminalBench() as bench:
         bench.driver.open(bench.time)

@@ -74,6 +74,33 @@ def test_the_watchdog_is_armed_and_checked(emulator: TerminalEmulator) -> None:
     link.close()
 
 
+def test_a_watchdog_that_is_refused(emulator: TerminalEmulator) -> None:
+    link = Terminal(reached(emulator))
+    link.connect()
+    emulator.begin("exception")
+    with pytest.raises(TerminalError, match=r"refused with exception 6 \(write_registers at 46100"):
+        link.arm_watchdog()
+    emulator.end("exception")
+    assert not link.connected
+    assert not emulator.registers.armed
+
+
+def test_a_terminal_that_takes_words_in_another_order_is_found_by_its_watchdog(
+    emulator: TerminalEmulator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    registers, write = emulator.registers, emulator.registers.write
+
+    def swapped(register: int, words: list[int]) -> None:
+        write(register, [(word & 0xFF) << 8 | word >> 8 for word in words])
+
+    monkeypatch.setattr(registers, "write", swapped)
+    link = Terminal(reached(emulator))
+    link.connect()
+    with pytest.raises(TerminalError, match="register 46100 holds 53255 instead of 2000"):
+        link.arm_watchdog()
+    assert not link.connected
+
+
 def test_a_request_that_fails_ends_the_connection(emulator: TerminalEmulator) -> None:
     """So nobody writes to a terminal that was restarted in between."""
     link = Terminal(reached(emulator))
