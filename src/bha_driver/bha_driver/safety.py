@@ -81,11 +81,16 @@ class Safety:
         """Pressures that the terminal was told last [Pa], shape (9,)."""
         return self._set_points.applied
 
+    @property
+    def trouble(self) -> str:
+        """Why this terminal must not be driven as it is now; empty when it may."""
+        return self._doubt if self._link.linked else f"not connected: {self._link.trouble}"
+
     # --- what is wanted --------------------------------------------------------------------
 
     def refusal(self) -> str:
         """Tell why the driver cannot be activated now; empty when it can."""
-        return f"reset first: {self.faults[0]}" if self._faults else self._why_not_driven()
+        return f"reset first: {self.faults[0]}" if self._faults else self.trouble
 
     def not_ours(self, held: Words) -> str:
         """Tell that a terminal which holds these set-points is pressed by someone else, else empty.
@@ -136,8 +141,8 @@ class Safety:
 
         Only a command newer than `time` [s] counts after that.
         """
-        if self._active and self._why_not_driven():
-            return self._why_not_driven()
+        if self._active and self.trouble:
+            return self.trouble
         self._faults.clear()
         self._gate.reset_stop(time)
         return ""
@@ -231,10 +236,6 @@ class Safety:
         if ending:
             rate = max(rate, self._limits.pressure / _SHUTDOWN_TIME)
         return np.maximum(self.applied - rate * elapsed, 0.0)
-
-    def _why_not_driven(self) -> str:
-        """Tell why this terminal must not be driven as it is now; empty when it may."""
-        return self._doubt if self._link.linked else f"not connected: {self._link.trouble}"
 
     def _latch(self, which: str, why: str, time: float) -> None:
         self._gate.stop()
