@@ -205,6 +205,29 @@ def test_a_name_server_that_is_gone_does_not_hold_the_cycle(
         assert names == ["localhost"], "its address may be another now"
 
 
+def test_without_a_register_of_the_watchdog_a_late_answer_is_latched() -> None:
+    """Whether the terminal was restarted meanwhile cannot be known."""
+    watchdog = dataclasses.replace(MAP.watchdog, register=None)
+    with TerminalBench(dataclasses.replace(MAP, watchdog=watchdog)) as bench:
+        bench.start()
+        bench.run(2.0)
+        registers = bench.emulator.registers
+        assert bench.outputs.max() > 2e4
+        assert registers.armed, "on the terminal itself"
+        bench.emulator.begin("drop")
+        bench.cycle()
+        bench.emulator.end("drop")
+        count = len(registers.writes)
+        bench.run(0.5)
+        (fault,) = bench.safety.faults
+        assert fault.which == "terminal restarted"
+        assert not any(any(words) for _, words in registers.writes[count:])
+        assert bench.safety.reset(bench.time) == ""
+        bench.until(lambda: bench.outputs.max() > 2e4, 1.0)
+        bench.driver.close(lambda: bench.time, bench._pass)
+        assert not bench.outputs.any()
+
+
 def test_the_watchdog_is_armed_by_activation_and_fed_by_writes_alone() -> None:
     with TerminalBench() as bench:
         bench.driver.open(bench.time)

@@ -223,6 +223,42 @@ def test_hold_keeps_the_pressure_when_the_controller_is_silent() -> None:
     assert robot.vented() < 3.5, "no activity, no pressure"
 
 
+@pytest.mark.parametrize("way", ["stop", "range", "jump", "link"])
+def test_hold_keeps_the_pressure_under_a_stop_and_faults(way: str) -> None:
+    robot = Robot(SafetySettings(safe_state="hold")).ready().press()
+    safety = robot.safety
+    robot.time += PERIOD
+    if way == "stop":
+        safety.stop(robot.time)
+    elif way == "link":
+        safety.link_failed(robot.time, "cut", gone=True)
+        safety.link_made(robot.time, intact=True)
+    else:
+        safety.see(robot.time, inputs(0.2, 3, {"range": 0.45, "jump": 0.25}[way]))
+    robot.write()
+    for _ in range(200):
+        assert (robot.cycle(np.zeros(9)) > 1.29e5).all()
+    assert safety.stopped
+    assert safety.reset(robot.time) == ""
+    assert (robot.cycle() > 1.29e5).all(), "until there is a new command"
+    assert (robot.cycle(np.zeros(9)) < 1.27e5).all()
+    safety.stop(robot.time)
+    safety.deactivate(robot.time)
+    assert robot.vented() < 3.5, "no activity, no pressure"
+
+
+@pytest.mark.parametrize("way", ["restart", "late"])
+def test_hold_begins_at_nothing_when_the_terminal_has_vented(way: str) -> None:
+    robot = Robot(SafetySettings(safe_state="hold")).ready().press()
+    if way == "restart":
+        robot.safety.link_failed(robot.time, "cut")
+        robot.safety.link_made(robot.time, intact=False)
+    else:
+        robot.time += 0.5
+    for _ in range(10):
+        assert not robot.cycle(FULL).any()
+
+
 @pytest.mark.parametrize("way", ["stop", "range", "jump", "link", "restart", "late"])
 def test_a_fault_is_latched_and_the_old_command_never_comes_back(way: str) -> None:
     robot = Robot().ready().press()

@@ -74,6 +74,33 @@ def test_the_watchdog_is_armed_and_checked(emulator: TerminalEmulator) -> None:
     link.close()
 
 
+@pytest.mark.parametrize(("inputs", "function"), [("holding", 3), ("input", 4)])
+def test_unit_and_kind_of_registers_are_those_of_the_map(
+    monkeypatch: pytest.MonkeyPatch, inputs: str, function: int
+) -> None:
+    asked, distort = [], TerminalEmulator._distort
+
+    def listen(self: TerminalEmulator, sending: bool, packet: bytes) -> bytes:
+        if not sending:
+            asked.append((packet[6], packet[7]))
+        return distort(self, sending, packet)
+
+    monkeypatch.setattr(TerminalEmulator, "_distort", listen)
+    changed = dataclasses.replace(load_terminal(), unit=7, inputs=inputs)
+    with TerminalEmulator(changed, Bench()) as emulator:
+        link = Terminal(reached(emulator))
+        link.connect()
+        asked.clear()
+        lengths = Scaling(changed).lengths(link.read())
+        assert lengths == pytest.approx(np.linspace(0.15, 0.31, 9), abs=2e-5)
+        link.write(np.zeros(9, dtype=np.int64))
+        assert not link.set_points().any()
+        link.close()
+        assert asked == [(7, function), (7, 16), (7, 3)]
+        with pytest.raises(TerminalError):
+            Terminal(reached(emulator, unit=8)).connect()
+
+
 def test_a_watchdog_that_is_refused(emulator: TerminalEmulator) -> None:
     link = Terminal(reached(emulator))
     link.connect()
