@@ -19,7 +19,7 @@ from bha_driver.terminal import Terminal
 from bha_driver.terminal_check import survey
 from bha_driver.terminal_emulator import TerminalEmulator
 from bha_driver.terminal_file import example_path, load_terminal
-from bha_driver.terminal_map import TerminalMap
+from bha_driver.terminal_map import Identity, TerminalMap
 
 
 class Bench:
@@ -72,6 +72,14 @@ def test_the_watchdog_is_armed_and_checked(emulator: TerminalEmulator) -> None:
     link.arm_watchdog()
     assert link.watchdog() == 2000
     link.close()
+
+
+def test_another_identity_is_told_with_the_words_that_are_there() -> None:
+    """So a lab finds out which words to write into its map."""
+    with TerminalEmulator(load_terminal(), Bench()) as emulator:
+        wanted = reached(emulator, identity=Identity(45367, (0, 0, 0)))
+        with pytest.raises(TerminalError, match=r"hold \[20565, 193, 12\] instead of \[0, 0, 0\]"):
+            survey(wanted)
 
 
 @pytest.mark.parametrize(("inputs", "function"), [("holding", 3), ("input", 4)])
