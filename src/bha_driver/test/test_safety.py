@@ -20,6 +20,7 @@ BASE = load_terminal(example_path("cpx_e"))
 MAP = dataclasses.replace(BASE, limits=dataclasses.replace(BASE.limits, pressure_rate=2e5))
 SCALING = Scaling(MAP)
 FULL = np.full(9, 1.3e5)
+PLACES = np.array([item.length.register - MAP.input_block[0] for item in MAP.bellows])
 
 
 def inputs(length: float = 0.2, index: int | None = None, other: float = 0.0) -> np.ndarray:
@@ -27,8 +28,11 @@ def inputs(length: float = 0.2, index: int | None = None, other: float = 0.0) ->
     lengths = np.full(9, length)
     if index is not None:
         lengths[index] = other
-    words = [item.length.word(value) for item, value in zip(MAP.bellows, lengths, strict=True)]
-    return np.array(words + [0] * (MAP.input_block[1] - 9))
+    block = np.zeros(MAP.input_block[1], dtype=np.int64)
+    block[PLACES] = [
+        item.length.word(value) for item, value in zip(MAP.bellows, lengths, strict=True)
+    ]
+    return block
 
 
 class Robot:
@@ -49,7 +53,7 @@ class Robot:
     def see(self, length: float = 0.2) -> None:
         """Read lengths with a little noise, so that none is frozen."""
         block = inputs(length)
-        block[:9] += self.rng.integers(0, 3, 9)
+        block[PLACES] += self.rng.integers(0, 3, 9)
         self.safety.see(self.time, block)
 
     def write(self) -> np.ndarray | None:
@@ -449,7 +453,7 @@ class TestFrozen:
             robot.time += PERIOD
             if moving:
                 block = inputs(0.2)
-                block[:9] += step % 2
+                block[PLACES] += step % 2
             robot.safety.see(robot.time, block)
             robot.safety.offer(robot.time, np.full(9, 3e4 if pressed else 0.0))
             robot.write()
@@ -480,11 +484,11 @@ class TestFrozen:
         assert "bellows_1_1 has kept to the raw value" in robot.safety.reset(robot.time)
         assert robot.safety.stopped
         robot.time += PERIOD
-        block[:8] += 1
+        block[PLACES[:8]] += 1
         robot.safety.see(robot.time, block)
         assert "bellows_3_3 has kept to the raw value" in robot.safety.reset(robot.time)
         robot.time += PERIOD
-        block[8] += 1
+        block[PLACES[8]] += 1
         robot.safety.see(robot.time, block)
         assert robot.safety.reset(robot.time) == ""
 

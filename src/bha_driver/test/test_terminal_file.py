@@ -35,11 +35,16 @@ def test_the_examples_are_good(name: str) -> None:
 
 
 def test_the_registers_are_those_that_festo_names() -> None:
-    for name in ("cpx_e", "cpx_mpa"):
-        terminal = load_terminal(example_path(name))
-        assert terminal.output_block[0] == 40001
-        assert terminal.input_block[0] == 45392
+    """As festo-cpx-io counts: those of the bus module first, then those of each module."""
+    lab = load_terminal(example_path("cpx_e"))
+    assert lab.output_block == (40001 + 2, 9)
+    analog_inputs = 45392 + 3 + 3 * 5  # behind the bus module and three output modules
+    for kind, first in (("length", analog_inputs), ("pressure", analog_inputs + 3 * 5)):
+        registers = [getattr(item, kind).register for item in lab.bellows]
+        assert registers == [first + 5 * (index // 4) + index % 4 for index in range(9)]
     classic = load_terminal(example_path("cpx_mpa"))
+    assert classic.output_block[0] == 40001
+    assert classic.input_block[0] == 45392
     registers = [item.pressure.register for item in classic.bellows]
     assert registers == list(range(45392, 45392 + 27, 3)), "three words a valve"
 
@@ -89,34 +94,34 @@ def test_without_a_file_it_is_the_emulated_one() -> None:
         ),
         (
             "bellows.bellows_1_1.length.register",
-            45393,
-            "bellows_1_2.length.register is 45393, which",
+            45411,
+            "bellows_1_2.length.register is 45411, which",
         ),
         ("bellows.bellows_1_1.length.register", 45000, "one read covers 125 at most"),
         (
             "bellows.bellows_1_1.set_point.register",
-            40002,
-            "set_point.register is 40002, which is that of bellows.bellows_1_1.set_point already",
+            40004,
+            "set_point.register is 40004, which is that of bellows.bellows_1_1.set_point already",
         ),
         (
             "watchdog.register",
-            40009,
-            "watchdog.register is 40009, which is that of bellows.bellows_3_3.set_point already",
+            40011,
+            "watchdog.register is 40011, which is that of bellows.bellows_3_3.set_point already",
         ),
         (
             "watchdog.register",
-            45404,
-            "watchdog.register is 45404, which is that of bellows.bellows_1_1.pressure already",
+            45425,
+            "watchdog.register is 45425, which is that of bellows.bellows_1_1.pressure already",
         ),
         (
             "bellows.bellows_2_1.length.register",
-            40004,
-            "bellows_2_1.length.register is 40004, which is that of bellows.bellows_2_1.set_point",
+            40006,
+            "bellows_2_1.length.register is 40006, which is that of bellows.bellows_2_1.set_point",
         ),
         (
             "identity",
-            {"register": 45390, "words": [1, 2, 3]},
-            "the register of identity.words[2] is 45392, which is that of bellows.bellows_1_1.len",
+            {"register": 45408, "words": [1, 2, 3]},
+            "the register of identity.words[2] is 45410, which is that of bellows.bellows_1_1.len",
         ),
         ("bellows.bellows_1_1.set_point.register", 39990, "would overwrite 39991, 39992"),
         ("bellows.bellows_1_1.set_point.scale", -7.0, "set_point.scale must be above 0"),
