@@ -164,7 +164,8 @@ class Terminal:
         register, word = self._map.watchdog.register, self._map.watchdog.word
         if register is None:
             return
-        self._request("write_registers", register, values=[word])
+        # A CPX-E takes this register from single writes only (festo-cpx-io).
+        self._request("write_register", register, value=word)
         found = self.watchdog()
         if found != word:
             self.close()

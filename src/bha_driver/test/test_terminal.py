@@ -103,8 +103,9 @@ def test_unit_and_kind_of_registers_are_those_of_the_map(
         assert lengths == pytest.approx(np.linspace(0.15, 0.31, 9), abs=2e-5)
         link.write(np.zeros(9, dtype=np.int64))
         assert not link.set_points().any()
+        link.arm_watchdog()
         link.close()
-        assert asked == [(7, function), (7, 16), (7, 3)]
+        assert asked == [(7, function), (7, 16), (7, 3), (7, 6), (7, 3)]
         with pytest.raises(TerminalError):
             Terminal(reached(emulator, unit=8)).connect()
 
@@ -113,7 +114,7 @@ def test_a_watchdog_that_is_refused(emulator: TerminalEmulator) -> None:
     link = Terminal(reached(emulator))
     link.connect()
     emulator.begin("exception")
-    with pytest.raises(TerminalError, match=r"refused with exception 6 \(write_registers at 46100"):
+    with pytest.raises(TerminalError, match=r"refused with exception 6 \(write_register at 46100"):
         link.arm_watchdog()
     emulator.end("exception")
     assert not link.connected
