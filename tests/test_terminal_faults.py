@@ -15,11 +15,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pymodbus.constants import ExcCodes
 
 from bha_common.command_gate import SafetySettings
 from bha_driver.control_cycle import ControlCycle
 from bha_driver.fault_player import FaultPlayer
 from bha_driver.safety import Safety
+from bha_driver.terminal_emulator import TerminalEmulator
 from bha_driver.wire_faults import FAULTS, random_faults
 from terminal_bench import MAP, PERIOD, TerminalBench
 
@@ -271,6 +273,37 @@ def test_no_activation_when_the_watchdog_cannot_be_armed(monkeypatch: pytest.Mon
         bench.run(0.5)
         assert not registers.writes
         assert bench.driver.activate(bench.time) == "", "it has connected again"
+
+
+def test_a_terminal_that_takes_no_write_vents_although_reads_feed_its_watchdog(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Then the driver keeps silent for longer than the watchdog's time."""
+    refusing, act = [False], TerminalEmulator._act
+
+    async def answer(self: TerminalEmulator, function: int, *request: Any) -> ExcCodes | None:
+        if refusing[0] and function == 16:
+            return ExcCodes.DEVICE_BUSY
+        self.registers._fed = self.registers._clock()
+        return await act(self, function, *request)
+
+    monkeypatch.setattr(TerminalEmulator, "_act", answer)
+    with TerminalBench() as bench:
+        bench.start()
+        bench.run(2.0)
+        assert bench.outputs.max() > 2e4
+        refusing[0] = True
+        known = bench.time + LINK
+        bench.until(lambda: not bench.outputs.any(), LINK + DOG + BOUND)
+        assert bench.emulator.registers.trips == 1
+        assert bench.safety.faults[0].which == "connection lost"
+        bench.run(2.0)
+        refusing[0] = False
+        bench.run(2.0)
+        never_rises(bench, known)
+        assert bench.driver.connected
+        assert bench.safety.reset(bench.time) == ""
+        bench.until(lambda: bench.outputs.max() > 2e4, 1.0)
 
 
 def test_nothing_is_armed_when_activation_is_refused() -> None:

@@ -125,6 +125,9 @@ class ControlCycle:
             self._terminal.write(block)
         except TerminalError as error:
             self._fail(time, error)
+            if self._safety.link_lost and not error.gone:
+                # It can be read and not written: where reads feed its watchdog, silence vents.
+                self._retry_at = time + 1.5 * self._map.watchdog.time
             return False
         self._safety.confirmed(time)
         return True

@@ -67,6 +67,11 @@ class Safety:
         return bool(self._faults)
 
     @property
+    def link_lost(self) -> bool:
+        """Whether it is latched that the connection is lost."""
+        return any(fault.which == LINK_LOST for fault in self.faults)
+
+    @property
     def pressing(self) -> bool:
         """Whether the terminal may hold pressures, as far as is known."""
         return self._set_points.pressing
