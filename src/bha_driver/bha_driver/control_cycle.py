@@ -133,7 +133,7 @@ class ControlCycle:
         return True
 
     def close(self, clock: Callable[[], float], wait: Callable[[float], None]) -> None:
-        """Vent, then close the connection; that takes 4 s at most.
+        """Vent, then close the connection; that takes about 4 s at most.
 
         A terminal that cannot be reached vents by itself.
 
