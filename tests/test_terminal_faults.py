@@ -210,7 +210,7 @@ def test_a_name_server_that_is_gone_does_not_hold_the_cycle(
 def test_without_a_register_of_the_watchdog_a_late_answer_is_latched() -> None:
     """Whether the terminal was restarted meanwhile cannot be known."""
     watchdog = dataclasses.replace(MAP.watchdog, register=None)
-    with TerminalBench(dataclasses.replace(MAP, watchdog=watchdog)) as bench:
+    with TerminalBench(dataclasses.replace(MAP, watchdog=watchdog, read_back=False)) as bench:
         bench.start()
         bench.run(2.0)
         registers = bench.emulator.registers

@@ -92,7 +92,8 @@ class ControlCycle:
         if reason := self._safety.refusal():
             return reason
         try:
-            if reason := self._safety.not_ours(self._terminal.set_points()):
+            held = self._terminal.set_points()
+            if held is not None and (reason := self._safety.not_ours(held)):
                 return reason
             self._terminal.arm_watchdog()
             self._armed = True

@@ -93,6 +93,10 @@ def convert(kind: Any, value: Any, where: str) -> Any:
             f"{where} is {value!r}; it must be a number, such as 0.02 or 1.3e+5 "
             "(YAML takes 1e5 for text)"
         )
+    if kind is bool:
+        if isinstance(value, bool):
+            return value
+        raise TerminalMapError(f"{where} is {value!r}; it must be true or false")
     if kind is str:
         if isinstance(value, str):
             return value

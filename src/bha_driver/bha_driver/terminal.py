@@ -132,15 +132,26 @@ class Terminal:
         """
         self._request("write_registers", self._map.output_block[0], values=set_points.tolist())
 
-    def set_points(self) -> Words:
+    def set_points(self) -> Words | None:
         """Read the block of the set-points that the terminal holds, shape (9,).
+
+        None when the map says that they cannot be read.
 
         Raises
         ------
         TerminalError
-            When there is no whole answer in time.
+            When there is no whole answer in time, or the terminal refuses.
         """
-        return self._read(*self._map.output_block)
+        if not self._map.read_back:
+            return None
+        try:
+            return self._read(*self._map.output_block)
+        except TerminalError as error:
+            raise TerminalError(
+                f"the set-points were not read back: {error}; if this terminal never lets them be "
+                "read, its map must say read_back: false",
+                gone=error.gone,
+            ) from None
 
     def watchdog(self) -> int | None:
         """Read what the watchdog's register holds; None when the map names no register.

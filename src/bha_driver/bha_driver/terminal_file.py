@@ -27,6 +27,7 @@ _SECTIONS: dict[str, Any] = {
     "port": int,
     "unit": int,
     "inputs": str,
+    "read_back": bool,
     "identity": Identity,
     "timeouts": Timeouts,
     "watchdog": Watchdog,

@@ -124,6 +124,7 @@ class TerminalMap:
     port: int = setting(502, "TCP port", low=1, high=0xFFFF)
     unit: int = setting(1, "Modbus unit (device) id", low=0, high=255)
     inputs: str = setting("holding", "Kind of the input registers", choices=("holding", "input"))
+    read_back: bool = setting(True, "Whether the set-points can be read as well as written")
     identity: Identity | None = None
     timeouts: Timeouts = Timeouts()
     watchdog: Watchdog = Watchdog()

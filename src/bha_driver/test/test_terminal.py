@@ -9,9 +9,11 @@ import threading
 import time
 from collections.abc import Iterator
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
+from pymodbus.constants import ExcCodes
 
 from bha_driver.errors import AddressError, TerminalError
 from bha_driver.scaling import Scaling
@@ -102,7 +104,9 @@ def test_unit_and_kind_of_registers_are_those_of_the_map(
         lengths = Scaling(changed).lengths(link.read())
         assert lengths == pytest.approx(np.linspace(0.15, 0.31, 9), abs=2e-5)
         link.write(np.zeros(9, dtype=np.int64))
-        assert not link.set_points().any()
+        held = link.set_points()
+        assert held is not None
+        assert not held.any()
         link.arm_watchdog()
         link.close()
         assert asked == [(7, function), (7, 16), (7, 3), (7, 6), (7, 3)]
@@ -234,6 +238,23 @@ def test_a_port_that_is_taken_is_told() -> None:
 
 
 class TestSurvey:
+    def test_it_tells_of_set_points_that_cannot_be_read(
+        self, emulator: TerminalEmulator, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        first, act = emulator._map.output_block[0], emulator._act
+
+        async def answer(function: int, start: int, address: int, *rest: Any) -> ExcCodes | None:
+            if function == 3 and address == first:
+                return ExcCodes.ILLEGAL_ADDRESS
+            return await act(function, start, address, *rest)
+
+        monkeypatch.setattr(emulator, "_act", answer)
+        emulator.begin("refuse")  # it listens anew, with that answer
+        emulator.end("refuse")
+        with pytest.raises(TerminalError, match=f"exception 2 .* at {first}.* read_back: false"):
+            survey(reached(emulator), readings=2)
+        assert survey(reached(emulator, read_back=False), readings=2).problems == []
+
     def test_it_reads_and_never_writes(self, emulator: TerminalEmulator) -> None:
         before = dict(emulator.registers._registers)
         found = survey(reached(emulator), readings=5)

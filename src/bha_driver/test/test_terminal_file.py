@@ -64,6 +64,7 @@ def test_without_a_file_it_is_the_emulated_one() -> None:
         ("port", True, "port is True; it must be a whole number"),
         ("unit", 300, "unit is 300; valid is 0 to 255"),
         ("inputs", "coils", "inputs is 'coils'; valid are holding, input"),
+        ("read_back", "no", "read_back is 'no'; it must be true or false"),
         ("identity", {"register": 1}, "identity.words is missing"),
         ("identity", {"register": 1, "words": [-1]}, "identity.words is"),
         ("timeouts", None, "timeouts must hold request, connect, link, reconnect"),
