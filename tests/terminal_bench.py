@@ -45,10 +45,11 @@ class TerminalBench:
     Parameters
     ----------
     terminal : The terminal's map.
+    period : Time between two cycles [s].
     """
 
-    def __init__(self, terminal=MAP) -> None:
-        self.time = 1000.0
+    def __init__(self, terminal=MAP, period: float = PERIOD) -> None:
+        self.time, self.period = 1000.0, period
         self.emulator = TerminalEmulator(terminal, plant(), clock=lambda: self.time)
         self.emulator.delay = 2.0 * terminal.timeouts.request
         self.terminal = terminal
@@ -60,7 +61,7 @@ class TerminalBench:
     def __enter__(self) -> TerminalBench:
         self.emulator.__enter__()
         address = dataclasses.replace(self.terminal, port=self.emulator.port)
-        self.safety = Safety(address, SafetySettings(), PERIOD)
+        self.safety = Safety(address, SafetySettings(), self.period)
         self.driver = ControlCycle(address, self.safety)
         return self
 
@@ -79,7 +80,7 @@ class TerminalBench:
 
     def cycle(self) -> None:
         """One cycle of robot and driver, with a command that moves now and then."""
-        self._pass(PERIOD)
+        self._pass(self.period)
         self.emulator.step()
         if self.rng.random() < 0.04:
             self.command = self.rng.uniform(3e4, 1.0e5, 9)
@@ -90,7 +91,7 @@ class TerminalBench:
 
     def run(self, duration: float) -> None:
         """Let robot time pass [s]."""
-        for _ in range(round(duration / PERIOD)):
+        for _ in range(round(duration / self.period)):
             self.cycle()
 
     def until(self, condition: Callable[[], bool], limit: float) -> float:

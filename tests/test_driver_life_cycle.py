@@ -17,6 +17,7 @@ import rclpy
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
 
+from bha_common.ros_node import ERROR, WARN
 from bha_driver import driver_node
 from bha_driver.driver_node import Driver
 from bha_driver.robot_time import RobotTime
@@ -248,6 +249,30 @@ def test_lengths_that_cannot_be_are_not_published(
     life.emulator.end("freeze")
     life.until(lambda: len(lengths) > 3)
     assert life.driver._safety.faults[0].which == "length out of range"
+
+
+def test_what_is_wrong_is_told_while_inactive(make_life: Callable[[], Life]) -> None:
+    """Nothing is latched then, but who is to activate it must know."""
+    life = make_life()
+
+    def told() -> tuple[bytes, str]:
+        return life.driver.diagnose()[:2]
+
+    assert told() == (WARN, "unconfigured: drives nothing")
+    assert life.change(CONFIGURE)
+    life.until(lambda: told() == (WARN, "inactive: drives nothing"))
+    wrong = MAP.bellows[4].length
+    life.emulator.begin("freeze")
+    life.emulator.registers.write(wrong.register, [wrong.word(0.02)])
+    life.until(lambda: told()[1].startswith("inactive: drives nothing; bellows_2_2 is 0.0200 m"))
+    assert told()[0] == ERROR
+    life.emulator.end("freeze")
+    life.until(lambda: told() == (WARN, "inactive: drives nothing"))
+    life.emulator.begin("refuse")
+    life.until(lambda: told()[1].startswith("inactive: drives nothing; not connected: "))
+    assert told()[0] == ERROR
+    life.emulator.end("refuse")
+    life.until(lambda: told() == (WARN, "inactive: drives nothing"))
 
 
 def test_a_cycle_writes_once_whatever_is_commanded(make_life: Callable[[], Life]) -> None:

@@ -5,14 +5,17 @@ from __future__ import annotations
 import socket
 from collections.abc import Iterator
 from itertools import pairwise
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 import rclpy
 
+from bha_bringup.graph import NodeDescription
+from bha_bringup.graph_processes import GraphProcesses
 from bha_bringup.terminal_emulator_node import EmulatorNode
 from bha_common.ros_messages import nanoseconds
-from running_graph import ros_domain
+from running_graph import PATIENCE, ros_domain
 
 pytestmark = pytest.mark.graph
 
@@ -53,6 +56,18 @@ def test_a_state_is_there_before_its_time_and_once(
         assert (moment - TICK) % (20 * MS) == 12 * MS, "between the driver's write and its read"
     stamps = [nanoseconds(tip.header.stamp) - TICK for tip in tips]
     assert stamps == [100 * MS * number for number in range(5)]
+
+
+def test_a_port_in_use_is_told_in_one_line(tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        nodes = [NodeDescription("bha_bringup", "terminal_emulator", {"port": port})]
+        processes = GraphProcesses(nodes, tmp_path)
+        with processes:
+            assert processes._processes["terminal_emulator"].wait(PATIENCE) == 2
+    log = (tmp_path / "terminal_emulator.log").read_text()
+    assert f"error: 127.0.0.1:{port}: cannot listen there; is it in use?" in log
+    assert "Traceback" not in log
 
 
 def test_a_robot_does_not_wait(node: EmulatorNode, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import dataclasses
 import gc
 import os
+import re
+import socket
 import threading
 from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from pymodbus.constants import ExcCodes
 
 from bha_common.command_gate import SafetySettings
+from bha_driver.control_cycle import ControlCycle
 from bha_driver.fault_player import FaultPlayer
+from bha_driver.safety import Safety
+from bha_driver.terminal_emulator import TerminalEmulator
 from bha_driver.wire_faults import FAULTS, random_faults
 from terminal_bench import MAP, PERIOD, TerminalBench
 
@@ -174,6 +182,54 @@ def test_a_single_late_answer_is_no_fault(bench: TerminalBench) -> None:
     assert bench.safety.state == "running"
 
 
+def test_a_name_server_that_is_gone_does_not_hold_the_cycle(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The name of the host is looked up when the driver is configured, and not again."""
+    look_up, names = socket.getaddrinfo, []
+
+    def counting(host: str, *rest: Any, **more: Any) -> Any:
+        names.append(host)
+        return look_up(host, *rest, **more)
+
+    monkeypatch.setattr(socket, "getaddrinfo", counting)
+    with TerminalBench(dataclasses.replace(MAP, host="localhost")) as bench:
+        bench.start()
+        assert names == ["localhost"]
+        bench.run(0.5)
+        bench.emulator.begin("cut")
+        bench.run(0.5)
+        assert bench.driver.connected
+        assert len(names) > 1
+        assert "localhost" not in names[1:]
+        names.clear()
+        bench.driver.open(bench.time)
+        assert names == ["localhost"], "its address may be another now"
+
+
+def test_without_a_register_of_the_watchdog_a_late_answer_is_latched() -> None:
+    """Whether the terminal was restarted meanwhile cannot be known."""
+    watchdog = dataclasses.replace(MAP.watchdog, register=None)
+    with TerminalBench(dataclasses.replace(MAP, watchdog=watchdog, read_back=False)) as bench:
+        bench.start()
+        bench.run(2.0)
+        registers = bench.emulator.registers
+        assert bench.outputs.max() > 2e4
+        assert registers.armed, "on the terminal itself"
+        bench.emulator.begin("drop")
+        bench.cycle()
+        bench.emulator.end("drop")
+        count = len(registers.writes)
+        bench.run(0.5)
+        (fault,) = bench.safety.faults
+        assert fault.which == "terminal restarted"
+        assert not any(any(words) for _, words in registers.writes[count:])
+        assert bench.safety.reset(bench.time) == ""
+        bench.until(lambda: bench.outputs.max() > 2e4, 1.0)
+        bench.driver.close(lambda: bench.time, bench._pass)
+        assert not bench.outputs.any()
+
+
 def test_the_watchdog_is_armed_by_activation_and_fed_by_writes_alone() -> None:
     with TerminalBench() as bench:
         bench.driver.open(bench.time)
@@ -196,6 +252,89 @@ def test_the_watchdog_is_armed_by_activation_and_fed_by_writes_alone() -> None:
         assert not bench.outputs.any(), "what the terminal vented is not pressed again"
 
 
+def test_a_frozen_length_is_found_when_the_clock_was_set_back(bench: TerminalBench) -> None:
+    bench.run(0.5)
+    bench.driver.close(lambda: bench.time, bench._pass)
+    bench.emulator.begin("freeze")
+    bench.time -= 3600.0
+    bench.start()
+    bench.until(lambda: bench.safety.stopped, MAP.limits.frozen_time + BOUND)
+    assert bench.safety.faults[0].which == "length frozen"
+
+
+def test_no_activation_when_the_watchdog_cannot_be_armed(monkeypatch: pytest.MonkeyPatch) -> None:
+    with TerminalBench() as bench:
+        bench.driver.open(bench.time)
+        registers, write = bench.emulator.registers, bench.emulator.registers.write
+        monkeypatch.setattr(registers, "write", lambda at, words: write(at, [w + 1 for w in words]))
+        assert "holds 201 instead of 200" in bench.driver.activate(bench.time)
+        monkeypatch.undo()
+        assert bench.safety.state == "inactive"
+        bench.run(0.5)
+        assert not registers.writes
+        assert bench.driver.activate(bench.time) == "", "it has connected again"
+
+
+def test_a_terminal_that_takes_no_write_vents_although_reads_feed_its_watchdog(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Then the driver keeps silent for longer than the watchdog's time."""
+    refusing, act = [False], TerminalEmulator._act
+
+    async def answer(self: TerminalEmulator, function: int, *request: Any) -> ExcCodes | None:
+        if refusing[0] and function == 16:
+            return ExcCodes.DEVICE_BUSY
+        self.registers._fed = self.registers._clock()
+        return await act(self, function, *request)
+
+    monkeypatch.setattr(TerminalEmulator, "_act", answer)
+    with TerminalBench() as bench:
+        bench.start()
+        bench.run(2.0)
+        assert bench.outputs.max() > 2e4
+        refusing[0] = True
+        known = bench.time + LINK
+        bench.until(lambda: not bench.outputs.any(), LINK + DOG + BOUND)
+        assert bench.emulator.registers.trips == 1
+        assert bench.safety.faults[0].which == "connection lost"
+        bench.run(2.0)
+        refusing[0] = False
+        bench.run(2.0)
+        never_rises(bench, known)
+        assert bench.driver.connected
+        assert bench.safety.reset(bench.time) == ""
+        bench.until(lambda: bench.outputs.max() > 2e4, 1.0)
+
+
+def test_nothing_is_armed_when_activation_is_refused() -> None:
+    with TerminalBench() as bench:
+        bench.driver.open(bench.time)
+        bench.safety.stop(bench.time)
+        assert bench.driver.activate(bench.time) == "reset first: emergency stop"
+        assert not bench.emulator.registers.armed
+
+
+def test_a_terminal_that_another_driver_presses_is_not_driven(bench: TerminalBench) -> None:
+    bench.run(1.0)
+    address = dataclasses.replace(bench.terminal, port=bench.emulator.port)
+    safety = Safety(address, SafetySettings(), PERIOD)
+    second = ControlCycle(address, safety)
+    second.open(bench.time)
+    count = len(bench.emulator.registers.writes)
+    reason = second.activate(bench.time)
+    assert re.match(r"the terminal holds \d+ Pa at bellows_\d_\d, which this driver", reason)
+    assert safety.state == "inactive"
+    bench.run(0.1)
+    second.close(lambda: bench.time, bench._pass)
+    assert len(bench.emulator.registers.writes) == count + 5, "only the first one has written"
+    assert bench.safety.state == "running"
+    # Its own pressures are no reason against it.
+    bench.safety.deactivate(bench.time)
+    bench.run(0.1)
+    assert bench.outputs.any()
+    assert bench.driver.activate(bench.time) == ""
+
+
 def test_another_terminal_is_not_driven() -> None:
     from bha_driver.errors import TerminalError
 
@@ -206,12 +345,23 @@ def test_another_terminal_is_not_driven() -> None:
         assert not bench.driver.connected
 
 
-def test_the_end_vents(bench: TerminalBench) -> None:
-    bench.run(2.0)
-    begin = bench.time
-    bench.driver.close(lambda: bench.time, bench._pass)
-    assert not bench.outputs.any()
-    assert bench.time - begin < 1.2
+@pytest.mark.parametrize(
+    ("period", "rate", "takes"),
+    [(0.02, 1e6, 1.0), (0.005, 1e6, 1.0), (0.05, 1e6, 1.0), (0.02, 2e4, 2.0)],
+)
+def test_the_end_vents_in_time(period: float, rate: float, takes: float) -> None:
+    """Whatever the period, and although the limited rate would take 5 s."""
+    limits = dataclasses.replace(MAP.limits, pressure_rate=rate)
+    with TerminalBench(dataclasses.replace(MAP, limits=limits), period) as bench:
+        bench.start()
+        while bench.outputs.max() < 1e5:
+            bench.command = np.full(9, 1e5)
+            bench.cycle()
+        begin = bench.time
+        bench.driver.close(lambda: bench.time, bench._pass)
+        assert not bench.outputs.any()
+        assert bench.emulator.registers.trips == 0, "the driver did it, not the watchdog"
+        assert takes - 0.3 < bench.time - begin < takes + 2 * period
 
 
 def _leaks() -> tuple[int, int, int, float]:

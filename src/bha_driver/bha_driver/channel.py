@@ -20,13 +20,15 @@ class Channel:
 
     register: int = required("Modbus address as it goes over the wire", low=0, high=0xFFFF)
     scale: float = required("SI value of one count [Pa or m]")
-    offset: float = setting(0.0, "SI value at raw 0 [Pa or m]")
+    offset: float = setting(0.0, "SI value at raw 0 [Pa or m]", low=-1e9, high=1e9)
     format: str = setting("int16", "How the word is to be read", choices=FORMATS)
 
     def __post_init__(self) -> None:
         check_settings(self)
-        if self.scale == 0.0:
-            raise TerminalMapError("scale is 0; one count must be worth something")
+        if not 1e-9 <= abs(self.scale) <= 1e6:
+            raise TerminalMapError(
+                f"scale is {self.scale:g}; one count must be worth 1e-09 to 1e+06 Pa or m"
+            )
 
     def value(self, word: int) -> float:
         """Give the SI value of a word as it came over the wire (0 to 65535)."""

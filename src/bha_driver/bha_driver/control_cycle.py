@@ -17,6 +17,9 @@ from bha_driver.terminal_map import TerminalMap
 Array = NDArray[np.float64]
 
 _TRIES = 3
+_LONGEST_END = 2.0
+"""After so long [s] what is left is vented at once: nodes that take 5 s to end are killed, and each
+of two more writes may take a second, the longest `timeouts.request`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +72,8 @@ class ControlCycle:
             When that fails.
         """
         self._armed = False
-        self._retry_at = -np.inf  # the clock may have been set back since
+        self._retry_at = -np.inf
+        self._safety.begin(time)
         for attempt in range(_TRIES):
             try:
                 self._terminal.connect()
@@ -85,10 +89,14 @@ class ControlCycle:
 
     def activate(self, time: float) -> str:
         """Arm the terminal's watchdog and allow pressing; the reason when not, else empty."""
+        if reason := self._safety.refusal():
+            return reason
         try:
-            if self._terminal.connected:
-                self._terminal.arm_watchdog()
-                self._armed = True
+            held = self._terminal.set_points()
+            if held is not None and (reason := self._safety.not_ours(held)):
+                return reason
+            self._terminal.arm_watchdog()
+            self._armed = True
         except TerminalError as error:
             self._fail(time, error)
             return str(error)
@@ -118,21 +126,31 @@ class ControlCycle:
             self._terminal.write(block)
         except TerminalError as error:
             self._fail(time, error)
+            if self._safety.link_lost and not error.gone:
+                # It can be read and not written: where reads feed its watchdog, silence vents.
+                self._retry_at = time + 1.5 * self._map.watchdog.time
             return False
         self._safety.confirmed(time)
         return True
 
     def close(self, clock: Callable[[], float], wait: Callable[[float], None]) -> None:
-        """Vent, then close the connection.
+        """Vent, then close the connection; that takes about 4 s at most.
+
+        A terminal that cannot be reached vents by itself.
 
         Parameters
         ----------
         clock : Tells the time [s].
         wait : Waits for a time [s].
         """
-        self._safety.deactivate(clock())
-        while self._safety.pressing and self.write(clock(), ending=True):
-            wait(0.02)
+        begin = clock()
+        self._safety.deactivate(begin)
+        while self._safety.pressing:
+            if clock() - begin >= _LONGEST_END:
+                self._safety.vent_at_once()
+            if not self.write(clock(), ending=True):
+                break
+            wait(self._safety.period)
         self._terminal.close()
         self._safety.link_failed(clock(), "closed")
 
@@ -143,7 +161,7 @@ class ControlCycle:
         return Reading(self._scaling.lengths(block), self._scaling.pressures(block), plausible)
 
     def _connect_again(self, time: float) -> None:
-        self._terminal.connect()
+        self._terminal.reconnect()
         intact = False
         if self._armed:
             # A terminal that was restarted has forgotten its watchdog.

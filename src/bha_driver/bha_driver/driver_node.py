@@ -191,6 +191,8 @@ class Driver(ManagedNode):
         if faults:
             stop_only = all(fault.which == EMERGENCY_STOP for fault in faults)
             return WARN if stop_only else ERROR, f"safe state: {faults[0]}", values
+        if self.life_state == INACTIVE and self._safety.trouble:
+            return ERROR, f"inactive: drives nothing; {self._safety.trouble}", values
         if state == Safety.INACTIVE:
             return WARN, f"{self.life_label}: drives nothing", values
         if state == "silent":

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from bha_common.settings import check_settings, setting
 from bha_driver.autostart import CHOICES
+from bha_driver.errors import TerminalMapError
 from bha_driver.terminal_file import load_terminal
 from bha_driver.terminal_map import TerminalMap
 
@@ -33,9 +34,16 @@ class DriverSettings:
         Raises
         ------
         TerminalMapError
-            When the file cannot be used; the message names the field.
+            When the file cannot be used, or the control period is too long for its times; the
+            message names the field.
         """
         terminal = load_terminal(self.terminal or None)
+        # Within `link` there must be a second try, and the terminal must not act in between.
+        if self.control_period > 0.5 * terminal.timeouts.link:
+            raise TerminalMapError(
+                f"control_period is {self.control_period:g}; it must be at most half of "
+                f"timeouts.link, {terminal.timeouts.link:g} s"
+            )
         return dataclasses.replace(
             terminal, host=self.host or terminal.host, port=self.port or terminal.port
         )

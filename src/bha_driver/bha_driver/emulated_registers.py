@@ -118,6 +118,7 @@ class EmulatedRegisters:
     def write(self, register: int, words: list[int]) -> None:
         """Write registers that are there; set-points feed the watchdog, nothing else does."""
         with self._lock:
+            self._watch()  # what comes too late finds the terminal vented
             self._put(register, words)
             if register < self._first_output + self._outputs_count and (
                 register + len(words) > self._first_output

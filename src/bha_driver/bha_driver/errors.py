@@ -24,5 +24,9 @@ class TerminalError(DriverError):
         self.gone = gone
 
 
+class AddressError(DriverError, ValueError):
+    """An address that nobody can listen at; the message names it."""
+
+
 class FaultScheduleError(DriverError, ValueError):
     """A schedule of faults that cannot be read; the message names the entry and the choices."""

@@ -29,9 +29,11 @@ class FaultPlayer:
 
     def advance(self, time: float) -> list[str]:
         """Let the time be `time` [s] after the begin; the names of faults that begin now."""
-        for fault in [fault for fault in self._present if time >= fault.at + fault.duration]:
-            self._present.remove(fault)
-            self._emulator.end(fault.name)
+        before = {fault.name for fault in self._present}
+        self._present = [fault for fault in self._present if time < fault.at + fault.duration]
+        # One of a kind may end while another goes on.
+        for name in before - {fault.name for fault in self._present}:
+            self._emulator.end(name)
         begun = []
         while self._coming and time >= self._coming[0].at:
             fault = self._coming.pop(0)

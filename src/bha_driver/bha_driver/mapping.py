@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
+import sys
 from collections.abc import Mapping
 from typing import Any, TypeVar, get_type_hints
 
@@ -77,6 +78,8 @@ def convert(kind: Any, value: Any, where: str) -> Any:
     """
     if dataclasses.is_dataclass(kind) and isinstance(kind, type):
         return build(kind, value, where)
+    if isinstance(value, int) and abs(value) > sys.float_info.max:
+        raise TerminalMapError(f"{where} is too large a number; it has {len(str(value))} digits")
     if value is None and kind == (int | None):
         return None
     if kind in (int, int | None):
@@ -90,6 +93,10 @@ def convert(kind: Any, value: Any, where: str) -> Any:
             f"{where} is {value!r}; it must be a number, such as 0.02 or 1.3e+5 "
             "(YAML takes 1e5 for text)"
         )
+    if kind is bool:
+        if isinstance(value, bool):
+            return value
+        raise TerminalMapError(f"{where} is {value!r}; it must be true or false")
     if kind is str:
         if isinstance(value, str):
             return value

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from bha_common import bellows
 from bha_common.command_gate import CommandGate, SafetySettings
 from bha_driver.latched_faults import (
     EMERGENCY_STOP,
@@ -43,6 +44,8 @@ class Safety:
     INACTIVE = "inactive"
 
     def __init__(self, terminal: TerminalMap, settings: SafetySettings, period: float) -> None:
+        self.period = period
+        """Time between two cycles [s]."""
         self._limits, self._settings = terminal.limits, settings
         self._gate = CommandGate(settings)
         self._scaling = Scaling(terminal)
@@ -51,7 +54,7 @@ class Safety:
         self._set_points = SetPoints(terminal, period)
         self._faults = LatchedFaults()
         self._active = False
-        self._bad_range = ""
+        self._doubt = ""  # why the newest lengths cannot be believed
 
     @property
     def faults(self) -> tuple[Fault, ...]:
@@ -62,6 +65,11 @@ class Safety:
     def stopped(self) -> bool:
         """Whether something is latched."""
         return bool(self._faults)
+
+    @property
+    def link_lost(self) -> bool:
+        """Whether it is latched that the connection is lost."""
+        return any(fault.which == LINK_LOST for fault in self.faults)
 
     @property
     def pressing(self) -> bool:
@@ -78,19 +86,45 @@ class Safety:
         """Pressures that the terminal was told last [Pa], shape (9,)."""
         return self._set_points.applied
 
+    @property
+    def trouble(self) -> str:
+        """Why this terminal must not be driven as it is now; empty when it may."""
+        return self._doubt if self._link.linked else f"not connected: {self._link.trouble}"
+
     # --- what is wanted --------------------------------------------------------------------
+
+    def refusal(self) -> str:
+        """Tell why the driver cannot be activated now; empty when it can."""
+        return f"reset first: {self.faults[0]}" if self._faults else self.trouble
+
+    def not_ours(self, held: Words) -> str:
+        """Tell that a terminal which holds these set-points is pressed by someone else, else empty.
+
+        Parameters
+        ----------
+        held : Raw set-points that were read back, shape (9,).
+        """
+        pressures = self._scaling.commanded(held)
+        pressed = pressures >= self._scaling.count_worth
+        if not pressed.any() or np.array_equal(held, self._scaling.set_points(self.applied)):
+            return ""
+        highest = int(np.argmax(pressures))
+        return (
+            f"the terminal holds {pressures[highest]:.0f} Pa at {bellows.NAMES[highest]}, which "
+            "this driver has not written: end the other driver that does, or vent by hand"
+        )
 
     def activate(self, time: float) -> str:
         """Allow pressing from `time` [s] on; the reason when that cannot be, else empty."""
-        if self._faults:
-            return f"reset first: {self.faults[0]}"
-        if self._why_not_driven():
-            return self._why_not_driven()
+        if reason := self.refusal():
+            return reason
         if not self._active:
             self._gate.drop(time)
             self._active = True
-            self._set_points.begin()
-            self._link.begin(time)
+            # While it vents still, how long ago the last write was tells what the terminal holds.
+            if not self.pressing:
+                self._set_points.begin()
+                self._link.begin(time)
         return ""
 
     def deactivate(self, time: float) -> None:
@@ -112,14 +146,18 @@ class Safety:
 
         Only a command newer than `time` [s] counts after that.
         """
-        if self._active and self._why_not_driven():
-            return self._why_not_driven()
+        if self._active and self.trouble:
+            return self.trouble
         self._faults.clear()
-        self._plausibility.forget()
         self._gate.reset_stop(time)
         return ""
 
     # --- what is seen ----------------------------------------------------------------------
+
+    def begin(self, time: float) -> None:
+        """Take `time` [s] for now, and forget readings: the clock may have been set back."""
+        self._plausibility.forget()
+        self._link.begin(time)
 
     def link_made(self, time: float, *, intact: bool) -> None:
         """Take note of a new connection.
@@ -133,7 +171,7 @@ class Safety:
         if not intact:
             if self.pressing:
                 self._latch(RESTARTED, "what it held is gone, or not known", time)
-            self._begin_at_nothing()
+            self.vent_at_once()
         self._link.linked = True
 
     def link_failed(self, time: float, why: str = "", *, gone: bool = False) -> None:
@@ -153,13 +191,10 @@ class Safety:
     def see(self, time: float, block: Words) -> bool:
         """Judge what was read at `time` [s]; whether the lengths can be believed."""
         self._link.read(time)
-        lengths = self._scaling.lengths(block)
-        self._bad_range = self._plausibility.out_of_range(lengths)
-        which, why = self._plausibility.judge(
-            time, self._scaling.raw_lengths(block), lengths, self.applied
-        )
+        raw, lengths = self._scaling.raw_lengths(block), self._scaling.lengths(block)
+        which, self._doubt = self._plausibility.judge(time, raw, lengths, self.applied)
         if which and (self._active or self.pressing):
-            self._latch(which, why, time)
+            self._latch(which, self._doubt, time)
         return not which
 
     def confirmed(self, time: float) -> None:
@@ -168,6 +203,11 @@ class Safety:
         self._set_points.confirmed()
 
     # --- what is written -------------------------------------------------------------------
+
+    def vent_at_once(self) -> None:
+        """Go on from no pressure, whatever `limits.pressure_rate` says."""
+        self._set_points.begin_at_nothing()
+        self._gate.applied(self.applied)
 
     def set_points(self, time: float, *, ending: bool = False) -> Words | None:
         """Decide what to write now.
@@ -189,7 +229,7 @@ class Safety:
         overdue = self._link.overdue(time)
         if self.pressing and overdue:
             self._latch(OVERSLEPT, f"none for {overdue:.2f} s", time)
-            self._begin_at_nothing()
+            self.vent_at_once()
         block = self._set_points.move(self._wanted(time, elapsed, ending), elapsed)
         self._gate.applied(self.applied)
         return block
@@ -201,14 +241,6 @@ class Safety:
         if ending:
             rate = max(rate, self._limits.pressure / _SHUTDOWN_TIME)
         return np.maximum(self.applied - rate * elapsed, 0.0)
-
-    def _why_not_driven(self) -> str:
-        """Tell why this terminal must not be driven as it is now; empty when it may."""
-        return self._bad_range if self._link.linked else f"not connected: {self._link.trouble}"
-
-    def _begin_at_nothing(self) -> None:
-        self._set_points.begin_at_nothing()
-        self._gate.applied(self.applied)
 
     def _latch(self, which: str, why: str, time: float) -> None:
         self._gate.stop()

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import inspect
+import math
+import time
 from typing import Any
 
 import numpy as np
@@ -26,6 +28,21 @@ _UNIT = (
 )
 
 
+class _Client(ModbusTcpClient):
+    """A client whose reply must be whole in time; pymodbus by itself waits anew for each part."""
+
+    deadline = math.inf
+    """Until when to wait for the reply [s], by the steady clock."""
+
+    def recv(self, size: int | None) -> bytes:
+        """Wait for the next part of the reply; none is what pymodbus takes for no answer."""
+        left = self.deadline - time.monotonic()
+        if left <= 0.0:
+            return b""
+        self.comm_params.timeout_connect = left
+        return bytes(super().recv(size))
+
+
 class Terminal:
     """A connection to a terminal.
 
@@ -40,7 +57,8 @@ class Terminal:
 
     def __init__(self, terminal: TerminalMap) -> None:
         self._map = terminal
-        self._client: Any = None
+        self._address = terminal.host
+        self._client: _Client | None = None
 
     @property
     def connected(self) -> bool:
@@ -50,27 +68,37 @@ class Terminal:
     def connect(self) -> None:
         """Open a connection, and make sure that it is this terminal.
 
+        Looking up the name of a host may take long, whatever `timeouts.connect` says.
+
         Raises
         ------
         TerminalError
             When there is no connection in time, or the terminal shows another identity.
         """
+        self._address = self._map.host
+        self.reconnect()
+
+    def reconnect(self) -> None:
+        """Do as `connect`, but at the address that the host had then: no name is looked up.
+
+        Raises
+        ------
+        TerminalError
+            As `connect` does.
+        """
         self.close()
         where = f"{self._map.host}:{self._map.port}"
-        client = ModbusTcpClient(
-            self._map.host, port=self._map.port, timeout=self._map.timeouts.connect, retries=0
+        client = _Client(
+            self._address, port=self._map.port, timeout=self._map.timeouts.connect, retries=0
         )
         try:
-            connected = client.connect()
+            client.connect()
+            if client.socket is None:
+                raise OSError(f"refused, no such host, or none in {self._map.timeouts.connect:g} s")
+            self._address = client.socket.getpeername()[0]
         except (OSError, ModbusException) as error:
-            raise TerminalError(f"{where}: no connection ({error})", gone=True) from None
-        if not connected:
             client.close()
-            raise TerminalError(
-                f"{where}: no connection (refused, or none in {self._map.timeouts.connect:g} s)",
-                gone=True,
-            )
-        client.comm_params.timeout_connect = self._map.timeouts.request
+            raise TerminalError(f"{where}: no connection ({error})", gone=True) from None
         self._client = client
         self._check_identity()
 
@@ -104,6 +132,27 @@ class Terminal:
         """
         self._request("write_registers", self._map.output_block[0], values=set_points.tolist())
 
+    def set_points(self) -> Words | None:
+        """Read the block of the set-points that the terminal holds, shape (9,).
+
+        None when the map says that they cannot be read.
+
+        Raises
+        ------
+        TerminalError
+            When there is no whole answer in time, or the terminal refuses.
+        """
+        if not self._map.read_back:
+            return None
+        try:
+            return self._read(*self._map.output_block)
+        except TerminalError as error:
+            raise TerminalError(
+                f"the set-points were not read back: {error}; if this terminal never lets them be "
+                "read, its map must say read_back: false",
+                gone=error.gone,
+            ) from None
+
     def watchdog(self) -> int | None:
         """Read what the watchdog's register holds; None when the map names no register.
 
@@ -126,7 +175,8 @@ class Terminal:
         register, word = self._map.watchdog.register, self._map.watchdog.word
         if register is None:
             return
-        self._request("write_registers", register, values=[word])
+        # A CPX-E takes this register from single writes only (festo-cpx-io).
+        self._request("write_register", register, value=word)
         found = self.watchdog()
         if found != word:
             self.close()
@@ -159,6 +209,7 @@ class Terminal:
         if client is None or not client.is_socket_open():
             self.close()
             raise TerminalError("not connected")
+        client.deadline = time.monotonic() + self._map.timeouts.request
         try:
             answer = getattr(client, kind)(register, **arguments, **{_UNIT: self._map.unit})
         except (OSError, ModbusException) as error:

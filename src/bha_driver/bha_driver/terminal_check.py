@@ -65,6 +65,7 @@ def survey(
     try:
         link.connect()
         watchdog = link.watchdog()
+        link.set_points()  # what activation needs
         for _ in range(readings):
             begin = time.perf_counter()
             blocks.append(link.read())

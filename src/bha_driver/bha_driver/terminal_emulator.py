@@ -15,7 +15,7 @@ from pymodbus.simulator import DataType, SimData, SimDevice
 
 from bha_driver import modbus_log
 from bha_driver.emulated_registers import EmulatedPlant, EmulatedRegisters
-from bha_driver.errors import TerminalError
+from bha_driver.errors import AddressError
 from bha_driver.terminal_map import TerminalMap
 from bha_driver.wire_faults import FAULTS, Fault
 
@@ -147,7 +147,7 @@ class TerminalEmulator:
             device, address=(self._host, self.port), trace_packet=self._distort
         )
         if not await server.listen():
-            raise TerminalError(f"{self._host}:{self.port}: cannot listen there; is it in use?")
+            raise AddressError(f"{self._host}:{self.port}: cannot listen there; is it in use?")
         listener: Any = server.transport
         self.port = listener.sockets[0].getsockname()[1]
         self._server = server
@@ -180,8 +180,6 @@ class TerminalEmulator:
     ) -> ExcCodes | None:
         """Answer a request; called by pymodbus before it looks into its own registers."""
         self.requests += 1
-        if "delay" in self._faults:
-            await asyncio.sleep(self.delay)
         if "exception" in self._faults:
             return ExcCodes.DEVICE_BUSY
         if function in _WRITES and values is not None:
@@ -191,6 +189,8 @@ class TerminalEmulator:
             registers[address - start : address - start + count] = self.registers.read(
                 address, count
             )
+        if "delay" in self._faults:  # the request is done at once, only its reply is late
+            await asyncio.sleep(self.delay)
         return None
 
     def _distort(self, sending: bool, packet: bytes) -> bytes:

@@ -27,12 +27,31 @@ _SECTIONS: dict[str, Any] = {
     "port": int,
     "unit": int,
     "inputs": str,
+    "read_back": bool,
     "identity": Identity,
     "timeouts": Timeouts,
     "watchdog": Watchdog,
     "limits": Limits,
 }
 _REQUIRED = ("name", "host", "bellows")
+
+
+class _Loader(yaml.SafeLoader):
+    """Refuses a key that stands twice in one mapping; YAML's own loader takes the last."""
+
+    def compose_mapping_node(self, anchor: Any) -> Any:
+        node = super().compose_mapping_node(anchor)
+        lines: dict[Any, int] = {}
+        for key, _ in node.value:
+            if not isinstance(key, yaml.ScalarNode):
+                continue
+            line = key.start_mark.line + 1
+            if key.value in lines:
+                raise TerminalMapError(
+                    f"line {line}: {key.value} stands in line {lines[key.value]} already"
+                )
+            lines[key.value] = line
+        return node
 
 
 def example_path(name: str) -> Path:
@@ -72,8 +91,10 @@ def parse_terminal(text: str) -> TerminalMap:
         When it is not YAML, or a field is wrong; the message names it.
     """
     try:
-        data = yaml.safe_load(text)
-    except yaml.YAMLError as error:
+        data = yaml.load(text, Loader=_Loader)
+    except TerminalMapError:
+        raise
+    except (yaml.YAMLError, ValueError) as error:  # ValueError: a number or date that is none
         raise TerminalMapError(f"not YAML ({error})") from None
     choices = [*_SECTIONS, "bellows"]
     if not isinstance(data, dict):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from bha_common import bellows
@@ -123,6 +124,7 @@ class TerminalMap:
     port: int = setting(502, "TCP port", low=1, high=0xFFFF)
     unit: int = setting(1, "Modbus unit (device) id", low=0, high=255)
     inputs: str = setting("holding", "Kind of the input registers", choices=("holding", "input"))
+    read_back: bool = setting(True, "Whether the set-points can be read as well as written")
     identity: Identity | None = None
     timeouts: Timeouts = Timeouts()
     watchdog: Watchdog = Watchdog()
@@ -134,6 +136,7 @@ class TerminalMap:
             raise TerminalMapError("name and host must not be empty")
         if len(self.bellows) != bellows.COUNT:
             raise TerminalMapError(f"bellows must be {bellows.COUNT}, got {len(self.bellows)}")
+        self._check_overlaps()
         self._check_set_points()
         self._check_inputs()
         self._check_times()
@@ -155,21 +158,14 @@ class TerminalMap:
         ]
 
     def _check_set_points(self) -> None:
-        seen: dict[int, str] = {}
         for name, item in zip(bellows.NAMES, self.bellows, strict=True):
-            field = f"bellows.{name}.set_point"
             try:
                 item.set_point.set_point_range(self.limits.pressure)
             except TerminalMapError as error:
-                raise TerminalMapError(f"{field}.{error}") from None
-            register = item.set_point.register
-            if register in seen:
-                raise TerminalMapError(
-                    f"{field}.register is {register}, which is that of {seen[register]} already"
-                )
-            seen[register] = name
+                raise TerminalMapError(f"bellows.{name}.set_point.{error}") from None
         first, count = self.output_block
-        missing = sorted(set(range(first, first + count)) - set(seen))
+        registers = {item.set_point.register for item in self.bellows}
+        missing = sorted(set(range(first, first + count)) - registers)
         if missing:
             raise TerminalMapError(
                 f"bellows: the set-points must lie in one row, for one write sets them all and "
@@ -177,22 +173,36 @@ class TerminalMap:
             )
 
     def _check_inputs(self) -> None:
-        seen: dict[int, str] = {}
-        for name, item in zip(bellows.NAMES, self.bellows, strict=True):
-            for kind, channel in (("length", item.length), ("pressure", item.pressure)):
-                field = f"bellows.{name}.{kind}"
-                if channel.register in seen:
-                    raise TerminalMapError(
-                        f"{field}.register is {channel.register}, which is that of "
-                        f"{seen[channel.register]} already"
-                    )
-                seen[channel.register] = field
         first, count = self.input_block
         if count > LARGEST_READ:
             raise TerminalMapError(
                 f"bellows: the inputs lie in the registers {first} to {first + count - 1}; one "
                 f"read covers {LARGEST_READ} at most, and these are {count}"
             )
+
+    def _check_overlaps(self) -> None:
+        """Refuse two meanings of one register: a watchdog's time would be a set-point."""
+        seen: dict[tuple[str, int], str] = {}
+        for kind, register, field in self._registers():
+            if (kind, register) in seen:
+                raise TerminalMapError(
+                    f"{field} is {register}, which is that of {seen[kind, register]} already"
+                )
+            seen[kind, register] = field.removesuffix(".register")
+
+    def _registers(self) -> Iterator[tuple[str, int, str]]:
+        """Give kind, address and field of each register; the kinds have addresses of their own."""
+        for name, item in zip(bellows.NAMES, self.bellows, strict=True):
+            field = f"bellows.{name}"
+            yield "holding", item.set_point.register, f"{field}.set_point.register"
+            yield self.inputs, item.length.register, f"{field}.length.register"
+            yield self.inputs, item.pressure.register, f"{field}.pressure.register"
+        if self.watchdog.register is not None:
+            yield "holding", self.watchdog.register, "watchdog.register"
+        if self.identity is not None:
+            for index in range(len(self.identity.words)):
+                register = self.identity.register + index
+                yield "holding", register, f"the register of identity.words[{index}]"
 
     def _check_times(self) -> None:
         times, watchdog = self.timeouts, self.watchdog

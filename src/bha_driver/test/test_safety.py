@@ -20,6 +20,7 @@ BASE = load_terminal(example_path("cpx_e"))
 MAP = dataclasses.replace(BASE, limits=dataclasses.replace(BASE.limits, pressure_rate=2e5))
 SCALING = Scaling(MAP)
 FULL = np.full(9, 1.3e5)
+PLACES = np.array([item.length.register - MAP.input_block[0] for item in MAP.bellows])
 
 
 def inputs(length: float = 0.2, index: int | None = None, other: float = 0.0) -> np.ndarray:
@@ -27,8 +28,11 @@ def inputs(length: float = 0.2, index: int | None = None, other: float = 0.0) ->
     lengths = np.full(9, length)
     if index is not None:
         lengths[index] = other
-    words = [item.length.word(value) for item, value in zip(MAP.bellows, lengths, strict=True)]
-    return np.array(words + [0] * (MAP.input_block[1] - 9))
+    block = np.zeros(MAP.input_block[1], dtype=np.int64)
+    block[PLACES] = [
+        item.length.word(value) for item, value in zip(MAP.bellows, lengths, strict=True)
+    ]
+    return block
 
 
 class Robot:
@@ -49,7 +53,7 @@ class Robot:
     def see(self, length: float = 0.2) -> None:
         """Read lengths with a little noise, so that none is frozen."""
         block = inputs(length)
-        block[:9] += self.rng.integers(0, 3, 9)
+        block[PLACES] += self.rng.integers(0, 3, 9)
         self.safety.see(self.time, block)
 
     def write(self) -> np.ndarray | None:
@@ -150,6 +154,8 @@ def test_whatever_happens_each_write_is_allowed(events: list[tuple[str, object]]
         pressures = SCALING.commanded(words)
         assert (pressures <= MAP.limits.pressure + 1e-6).all()
         assert (pressures >= -1e-6).all()
+        if now - time > MAP.watchdog.time:
+            before = SCALING.vented  # by the terminal itself
         allowed = MAP.limits.pressure_rate * min(now - time, PERIOD) + SCALING.count_worth * 1.001
         change = pressures - SCALING.commanded(before)
         assert (change <= allowed).all()
@@ -219,6 +225,42 @@ def test_hold_keeps_the_pressure_when_the_controller_is_silent() -> None:
     assert (robot.safety.applied == 1.3e5).all()
     robot.safety.deactivate(robot.time)
     assert robot.vented() < 3.5, "no activity, no pressure"
+
+
+@pytest.mark.parametrize("way", ["stop", "range", "jump", "link"])
+def test_hold_keeps_the_pressure_under_a_stop_and_faults(way: str) -> None:
+    robot = Robot(SafetySettings(safe_state="hold")).ready().press()
+    safety = robot.safety
+    robot.time += PERIOD
+    if way == "stop":
+        safety.stop(robot.time)
+    elif way == "link":
+        safety.link_failed(robot.time, "cut", gone=True)
+        safety.link_made(robot.time, intact=True)
+    else:
+        safety.see(robot.time, inputs(0.2, 3, {"range": 0.45, "jump": 0.25}[way]))
+    robot.write()
+    for _ in range(200):
+        assert (robot.cycle(np.zeros(9)) > 1.29e5).all()
+    assert safety.stopped
+    assert safety.reset(robot.time) == ""
+    assert (robot.cycle() > 1.29e5).all(), "until there is a new command"
+    assert (robot.cycle(np.zeros(9)) < 1.27e5).all()
+    safety.stop(robot.time)
+    safety.deactivate(robot.time)
+    assert robot.vented() < 3.5, "no activity, no pressure"
+
+
+@pytest.mark.parametrize("way", ["restart", "late"])
+def test_hold_begins_at_nothing_when_the_terminal_has_vented(way: str) -> None:
+    robot = Robot(SafetySettings(safe_state="hold")).ready().press()
+    if way == "restart":
+        robot.safety.link_failed(robot.time, "cut")
+        robot.safety.link_made(robot.time, intact=False)
+    else:
+        robot.time += 0.5
+    for _ in range(10):
+        assert not robot.cycle(FULL).any()
 
 
 @pytest.mark.parametrize("way", ["stop", "range", "jump", "link", "restart", "late"])
@@ -358,6 +400,27 @@ def test_no_activation_while_something_is_latched() -> None:
     assert safety.activate(robot.time) == ""
 
 
+def test_an_activation_while_it_vents_forgets_no_missing_write() -> None:
+    """The process stalls while it vents: the terminal has vented by itself meanwhile."""
+    robot = Robot().ready().press()
+    robot.safety.deactivate(robot.time)
+    robot.cycle()
+    robot.time += 1.0
+    assert robot.safety.activate(robot.time) == ""
+    assert not robot.cycle(FULL).any(), "what the terminal has vented was pressed again"
+    assert robot.safety.faults[0].which == OVERSLEPT
+
+
+def test_an_activation_while_it_vents_goes_on_from_what_is_applied() -> None:
+    robot = Robot().ready().press()
+    robot.safety.deactivate(robot.time)
+    before = robot.cycle()
+    assert robot.safety.activate(robot.time) == ""
+    allowed = MAP.limits.pressure_rate * PERIOD + SCALING.count_worth
+    assert (np.abs(robot.cycle(FULL) - before) <= allowed).all()
+    assert not robot.safety.stopped
+
+
 def test_deactivation_vents_to_the_last_confirmed_count() -> None:
     robot = Robot().ready().press()
     robot.safety.deactivate(robot.time)
@@ -390,7 +453,7 @@ class TestFrozen:
             robot.time += PERIOD
             if moving:
                 block = inputs(0.2)
-                block[:9] += step % 2
+                block[PLACES] += step % 2
             robot.safety.see(robot.time, block)
             robot.safety.offer(robot.time, np.full(9, 3e4 if pressed else 0.0))
             robot.write()
@@ -410,10 +473,40 @@ class TestFrozen:
     def test_a_reading_that_moves_by_a_count_is_not_frozen(self) -> None:
         assert not self.run(moving=True, pressed=True, seconds=3.0).safety.stopped
 
+    def test_no_reset_before_it_has_moved(self) -> None:
+        """Venting moves a sound potentiometer; a person can move it by hand."""
+        robot = self.run(moving=False, pressed=True, seconds=2.0)
+        block = inputs(0.2)
+        for _ in range(300):  # vented long ago
+            robot.time += PERIOD
+            robot.safety.see(robot.time, block)
+            robot.write()
+        assert "bellows_1_1 has kept to the raw value" in robot.safety.reset(robot.time)
+        assert robot.safety.stopped
+        robot.time += PERIOD
+        block[PLACES[:8]] += 1
+        robot.safety.see(robot.time, block)
+        assert "bellows_3_3 has kept to the raw value" in robot.safety.reset(robot.time)
+        robot.time += PERIOD
+        block[PLACES[8]] += 1
+        robot.safety.see(robot.time, block)
+        assert robot.safety.reset(robot.time) == ""
+
+    def test_no_activation_before_it_has_moved(self) -> None:
+        robot = self.run(moving=False, pressed=True, seconds=2.0)
+        robot.safety.deactivate(robot.time)
+        robot.safety.see(robot.time, inputs(0.2))
+        assert robot.safety.reset(robot.time) == "", "nothing is driven"
+        robot.safety.see(robot.time, inputs(0.2))
+        assert "has kept to the raw value" in robot.safety.activate(robot.time)
+        robot.safety.see(robot.time, inputs(0.201))
+        assert robot.safety.activate(robot.time) == ""
+
     def test_after_a_reset_it_is_found_again(self) -> None:
         robot = self.run(moving=False, pressed=True, seconds=2.0)
+        block = inputs(0.201)
+        robot.safety.see(robot.time, block)
         assert robot.safety.reset(robot.time) == ""
-        block = inputs(0.2)
         for _ in range(100):
             robot.time += PERIOD
             robot.safety.see(robot.time, block)

@@ -39,6 +39,20 @@ def test_known_words() -> None:
     assert signed.word(9.0) == 0xFFFE
 
 
+@pytest.mark.parametrize("kind", ["int16", "uint16"])
+def test_the_sign_of_a_block_is_that_of_its_channels(kind: str) -> None:
+    base = MAPS[0]
+    length = dataclasses.replace(base.bellows[0].length, format=kind, scale=1e-5, offset=0.25)
+    first = dataclasses.replace(base.bellows[0], length=length)
+    scaling = Scaling(dataclasses.replace(base, bellows=(first, *base.bellows[1:])))
+    block = np.full(base.input_block[1], 0x7FFF)
+    for word in (0x7FFF, 0x8000, 0xFFFF):
+        block[length.register - base.input_block[0]] = word
+        raw = word - 0x10000 if kind == "int16" and word > 0x7FFF else word
+        assert scaling.raw_lengths(block).tolist() == [raw] + [0x7FFF] * 8
+        assert scaling.lengths(block)[0] == pytest.approx(length.value(word))
+
+
 @pytest.mark.parametrize("terminal", MAPS, ids=lambda item: item.name)
 @given(st.lists(st.floats(-1e9, 1e9), min_size=9, max_size=9))
 def test_no_set_point_is_negative_or_too_high(terminal, pressures) -> None:
