@@ -32,7 +32,7 @@ class Pid:
     """PI control of every bellows by itself, without a model, the integral never forgotten.
 
     It has no derivative part: six choices of one (2e4 to 1e5 Pa s/m, filtered over 0.05 s) were
-    unstable at twice the gain, though of their pairs only 4e5 and 2.5e6 is stable there without it.
+    unstable at twice the gain, beside 4e5 and 2.5e6, which is stable there without it.
     """
 
     proportional: float  # [Pa/m]
@@ -51,16 +51,14 @@ class Pid:
         return pressures
 
 
-FASTEST_PID = (4e5, 2.5e6)
-"""Tried by hand, not on a full grid: of 15 pairs (3e5 to 7e5, 1e6 to 3e6) four were found to stay
-stable on robots 0 to 9 with all gains doubled, and the speed of this one was measured on robots 0
-to 2. The speed of the other three was not.
+FASTEST_PID = (5e5, 2.5e6)
+"""Of 36 pairs (1e5 to 6e5, 8e5 to 3e6), the one that brings all nine lengths within 2 mm soonest,
+among those that stay stable on robots 0 to 7 with all gains doubled
+(`benchmarks.scripts.pid_grid`).
 """
 
-CAREFUL_PID = (4e5, 1.6e6)
-"""The fastest of three gentler pairs whose largest overshoot is below 1 mm in the median step, on
-robots 0 to 2; its margin was not tried by itself, but its gains are within those of the pair above.
-"""
+CAREFUL_PID = (5e5, 1.6e6)
+"""The same among pairs whose largest overshoot is at most 1 mm in the median step."""
 
 
 def controller(method: str, model: EquilibriumModel, gain: float = 1.0) -> Controller:

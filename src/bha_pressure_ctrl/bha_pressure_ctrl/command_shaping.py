@@ -25,7 +25,7 @@ from bha_pressure_ctrl.bellows_memory import BellowsMemory
 Array = NDArray[np.float64]
 
 _FAR = 5e-3  # [m] beyond what is expected; from there on the robot was really elsewhere
-_SMOOTHING = (0.7, 0.3)  # shares of the smoothing time, each averaged over after the other
+_SMOOTHING = (0.85, 0.15)  # shares of the smoothing time, each averaged over after the other
 _FAR_TIME = 1.0  # [s] for which it must be there: steps are not foreseen to the millimetre
 
 
@@ -34,7 +34,7 @@ class ShapingSettings:
     """How commands are brought on."""
 
     smoothing_time: float = setting(
-        0.44,
+        0.48,
         "Time in which the step of a command is brought on [s]",
         low=0.0,
         high=10.0,
