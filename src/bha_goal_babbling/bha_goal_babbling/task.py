@@ -78,6 +78,17 @@ class Task:
                 f"home_lengths must lie inside length_limits, got {self.home_action.tolist()} "
                 f"for {self.action_low.tolist()} to {self.action_high.tolist()}"
             )
+        lowest, highest = float(self.action_low.min()), float(self.action_high.max())
+        if lowest < bellows.MIN_LENGTH or highest > bellows.MAX_LENGTH:
+            raise InvalidTaskError(
+                f"length_limits must lie within {bellows.MIN_LENGTH:g} to {bellows.MAX_LENGTH:g} "
+                f"m, the lengths that can be commanded, got {lowest:g} to {highest:g}"
+            )
+        farthest = self.region.radii[-1]
+        if farthest > bellows.MAX_REACH:
+            raise InvalidTaskError(
+                f"goals.radii must be at most {bellows.MAX_REACH:g} m, got {farthest:g}"
+            )
 
     @property
     def outcome_size(self) -> int:

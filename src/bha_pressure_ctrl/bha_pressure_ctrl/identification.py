@@ -78,6 +78,11 @@ class Identification:
     start : Pressures that are applied now [Pa], shape (9,).
     period : Time between two updates [s].
     seed : Seed of the sequence of postures.
+
+    Raises
+    ------
+    ValueError
+        When there is no posture to collect.
     """
 
     def __init__(
@@ -93,6 +98,8 @@ class Identification:
         self._settings = settings
         self._period = period
         self.requested = settings.samples if samples is None else samples
+        if self.requested < 1:
+            raise ValueError(f"samples must be at least 1, got {self.requested}")
         sequence = qmc.Sobol(bellows.COUNT, scramble=True, seed=seed)
         exponent = max(1, int(np.ceil(np.log2(self.requested))))
         self._targets = max_pressure * sequence.random_base2(exponent)[: self.requested]

@@ -248,6 +248,13 @@ class TestIdentify:
     def test_the_number_of_samples_can_be_chosen(self) -> None:
         assert Loop().control.identify(33).requested == 33
 
+    @pytest.mark.parametrize("samples", [0, -1])
+    def test_no_samples_are_refused(self, samples: int) -> None:
+        loop = Loop(MODEL)
+        with pytest.raises(ValueError, match=f"at least 1, got {samples}"):
+            loop.control.identify(samples)
+        assert loop.control.identification is None
+
     def test_only_one_at_a_time(self) -> None:
         loop = Loop()
         loop.control.identify()
