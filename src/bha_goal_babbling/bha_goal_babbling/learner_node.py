@@ -36,6 +36,7 @@ from bha_goal_babbling.learner_settings import LearnerSettings
 from bha_goal_babbling.observation_window import LONGEST_WAIT
 from bha_goal_babbling.reach import Reach
 from bha_goal_babbling.task import find_task
+from bha_goal_babbling.warm_up import warm_up
 
 _MAX_GAP = 2.0  # [s] between two states; more is doubted
 
@@ -69,7 +70,9 @@ class LearnerNode(BhaNode):
         super().__init__("learner")
         self._settings = declare_settings(self, NodeSettings)
         settings = declare_settings(self, LearnerSettings)
-        self._learner = Learner(settings, find_task(self._settings.task))
+        task = find_task(self._settings.task)
+        warm_up(task)
+        self._learner = Learner(settings, task)
         self._files = ModelFiles(
             self, self._settings.model_file, self._write_model, self._read_model
         )
