@@ -19,6 +19,7 @@ from rclpy.signals import SignalHandlerOptions
 from bha_bringup.graph import NAMESPACE
 
 CALL_TIMEOUT = 10.0
+_TRIES = 2  # an answer is lost where the server has not found its client yet
 
 
 class RobotError(RuntimeError):
@@ -107,8 +108,12 @@ class RobotConnection:
         client = self._clients[name]
         if not self.wait(client.service_is_ready, CALL_TIMEOUT):
             raise RobotError(f"the service {name} is not there: is the graph up (bha up)?")
-        future = client.call_async(request)
-        if not self.wait(future.done, CALL_TIMEOUT):
+        for _ in range(_TRIES):
+            future = client.call_async(request)
+            if self.wait(future.done, CALL_TIMEOUT / _TRIES):
+                break
+            client.remove_pending_request(future)
+        else:
             raise RobotError(f"the service {name} does not answer")
         return future.result()
 

@@ -71,7 +71,6 @@ class LearnerNode(BhaNode):
         self._settings = declare_settings(self, NodeSettings)
         settings = declare_settings(self, LearnerSettings)
         task = find_task(self._settings.task)
-        warm_up(task)
         self._learner = Learner(settings, task)
         self._files = ModelFiles(
             self, self._settings.model_file, self._write_model, self._read_model
@@ -110,6 +109,7 @@ class LearnerNode(BhaNode):
             goal_callback=self._accept_babble,
             cancel_callback=lambda _: CancelResponse.ACCEPT,
         )
+        warm_up(task)  # while the others find this node
 
     def _take_lengths(self, stamp: int, lengths: FloatArray) -> None:
         check_measured_lengths(lengths)

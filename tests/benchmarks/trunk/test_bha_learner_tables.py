@@ -169,7 +169,7 @@ def test_feedback_is_held_against_the_repetition_of_the_same_robot() -> None:
             "feed-forward [m]": [0.008, 0.008],
             "feedback [m]": [feedback, feedback],
             "durations [s]": [20.0, 30.1],
-            "gains [1/s]": [0.2, 0.2],
+            "arrived": [True, False],
             "repetition [m]": repetition,
         }
         return Run(seed, settings, figures)
