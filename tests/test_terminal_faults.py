@@ -392,7 +392,10 @@ def test_ten_minutes_with_faults_at_random() -> None:
         first, seen = _leaks(), set()
         start, end = bench.time, bench.time + 600.0
         previous, well = registers.outputs, bench.time
+        middle = None
         while bench.time < end:
+            if middle is None and bench.time > start + 300.0:
+                middle = _leaks()
             seen.update(player.advance(bench.time - start))
             bench.cycle()
             if len(registers.writes) > 500:  # the test's own memory
@@ -417,4 +420,7 @@ def test_ten_minutes_with_faults_at_random() -> None:
         assert files <= first[0]
         assert threads <= first[1]
         assert objects - first[2] < 2_000, "objects that nobody needs any more"
-        assert memory - first[3] < 6.0, "memory that is not that of Python's objects"
+        # A leak grows in both halves; a process that ran many tests before takes a step in one.
+        assert middle is not None
+        grown = min(middle[3] - first[3], memory - middle[3])
+        assert grown < 3.0, "memory that is not that of Python's objects"
