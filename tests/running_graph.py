@@ -7,6 +7,7 @@ import dataclasses
 import fcntl
 import os
 import signal
+import subprocess
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -16,6 +17,7 @@ from typing import Any
 
 import numpy as np
 import rclpy
+from ament_index_python.packages import get_package_prefix
 from bha_interfaces.action import ReachGoal
 from bha_interfaces.msg import LearningStatus, Pressures
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -87,6 +89,22 @@ def ros_domain() -> Iterator[int]:
                 os.environ["ROS_DOMAIN_ID"] = before
         return
     raise RuntimeError("no ROS domain is free: 101 test runs at once?")
+
+
+def refused_node(package: str, node: str, *arguments: str) -> str:
+    """Start a node with arguments that it must refuse; what it says as it ends with code 2."""
+    with ros_domain() as domain:
+        ended = subprocess.run(
+            [Path(get_package_prefix(package), "lib", package, node), "--ros-args", *arguments],
+            env={**os.environ, "ROS_DOMAIN_ID": str(domain)},
+            capture_output=True,
+            text=True,
+            timeout=60.0,
+            check=False,
+        )
+    assert ended.returncode == 2, ended.stderr
+    assert "Traceback" not in ended.stderr
+    return ended.stderr
 
 
 def describe(
