@@ -143,20 +143,27 @@ class BhaNode(Node):
             executor.shutdown(timeout_sec=0.0)
 
     def _serve(self, executor: SingleThreadedExecutor) -> None:
+        """Serve what is ready, and what follows from it before the next message of a stream.
+
+        An action that was accepted begins with its acceptance: the robot may move on at once.
+        """
         served: list[Any] = []
-        try:
-            for _ in range(_HANDLERS_A_ROUND):
-                handler, _, _ = executor.wait_for_ready_callbacks(timeout_sec=0.0)
-                handler()
-                error = handler.exception()
-                if error is not None:
-                    raise error
-                # The executor offers a coroutine that waits again and again: once is enough.
-                if handler in served:
-                    break
-                served.append(handler)
-        except TimeoutException:
-            pass
+        before = -1
+        while before < len(served) < _HANDLERS_A_ROUND:
+            before = len(served)
+            try:
+                while len(served) < _HANDLERS_A_ROUND:
+                    handler, _, _ = executor.wait_for_ready_callbacks(timeout_sec=0.0)
+                    # The executor offers a coroutine that waits again and again: once is enough.
+                    if handler in served:
+                        return
+                    handler()
+                    error = handler.exception()
+                    if error is not None:
+                        raise error
+                    served.append(handler)
+            except TimeoutException:
+                pass  # it has not looked yet for coroutines that what was served has begun
 
     def _publish_diagnostics(self) -> None:
         level, summary, values = self.diagnose()
