@@ -95,6 +95,10 @@ class _Demo:
             bar.update(line, total=1, note=f"{len(nodes)} nodes{pace}")
             self._robot.wait_for_graph({node.executable for node in nodes})
             bar.update(line, completed=1)
+        if self._settings.robot == SIM:
+            # In lockstep minutes pass while nodes find one another, and its sensors drift on: the
+            # robot of a seed is to be the same one each time, and the one behind the terminal.
+            self._robot.reset()
         self._identify()
         self._babble()
         self._reach_goals()
