@@ -8,9 +8,9 @@ identification, exploration and goals, samples, minutes and goals are the same. 
 median errors over the held-out goals, feed-forward and with feedback, and whether the means behind
 the terminal are within the bound of those in the simulator.
 
-What is learned in a few minutes differs by chance, though: already other noise of the sensors
-gives other errors, in the simulator alone (benchmarks.scripts.swap_spread). So `--spread` more
-runs in the simulator, in one process, tell where the run behind the terminal lies among its like.
+What is learned in a few minutes differs by chance, though: a run that begins a second later gives
+other errors, in the simulator alone (benchmarks.scripts.swap_spread). So `--spread` more runs in
+the simulator, in one process, tell where the run behind the terminal lies among its like.
 
 A run behind the terminal takes its time: 5 minutes of exploration and 30 goals take about half an
 hour, and want calm cores: the log of terminal_emulator in the run's folder ends with how many of
@@ -125,18 +125,14 @@ def counts(settings: DemoSettings) -> str:
 
 
 def place(settings: DemoSettings, mean: float, runs: int) -> str:
-    """Tell where a mean error [m] lies among runs in the simulator with other sensor noise."""
+    """Tell where a mean error [m] lies among runs in the simulator that begin seconds later."""
+    seed, minutes, goals = settings.seed, settings.minutes, settings.goals
     others = np.array(
         [
             swap_spread.error(
-                settings.seed,
-                draw,
-                settings.minutes,
-                settings.goals,
-                settings.identification_samples,
-                noise_only=True,
+                seed, seed, minutes, goals, settings.identification_samples, float(late)
             )
-            for draw in range(1000, 1000 + runs)
+            for late in range(1, 1 + runs)
         ]
     )
     low, high = others.min() * 1e3, others.max() * 1e3

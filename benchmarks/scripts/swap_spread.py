@@ -3,10 +3,10 @@
 ./bha shell python -m benchmarks.scripts.swap_spread --repeats 5
 
 The robot of each seed is identified, explores and reaches held-out goals as in `./bha demo`,
-feed-forward, once with the seed's own draws and then with others for postures, exploration and
-sensor noise. What is printed is the scale on which a driver between the two can be judged. With
-`--noise-only` postures and exploration keep the seed's draws, as they do in
-benchmarks.scripts.swap_demo.
+feed-forward, once with the seed's own draws and then with others for postures, exploration, noise
+and drift of the sensors. With `--late` all runs have the seed's own draws, and each begins a second
+of robot time later than the one before. That is what two runs of benchmarks.scripts.swap_demo
+differ by, so it is the scale on which a driver between the two can be judged.
 """
 
 import argparse
@@ -20,18 +20,18 @@ from bha_pressure_ctrl.pressure_control import PressureControlSettings
 
 
 def error(
-    seed: int, draws: int, minutes: float, goals: int, samples: int, *, noise_only: bool
+    seed: int, draws: int, minutes: float, goals: int, samples: int, late: float = 0.0
 ) -> float:
-    """Mean feed-forward error over held-out goals [m]."""
+    """Mean feed-forward error over held-out goals [m], of a run that begins `late` [s]."""
     task = find_task("2d")
-    own = seed if noise_only else draws
     robot = InProcessRobot(
         task,
         seed=seed,
-        learner_settings=LearnerSettings(seed=own),
-        control_settings=PressureControlSettings(seed=own),
+        learner_settings=LearnerSettings(seed=draws),
+        control_settings=PressureControlSettings(seed=draws),
     )
     robot.plant.reset(draws)
+    robot.run_until(lambda: False, late)
     robot.identify(samples)
     robot.babble(minutes * 60.0)
     positions = task.held_out_positions(goals, np.random.default_rng([seed, 1]))
@@ -48,21 +48,16 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=5.0, help="robot minutes of exploration")
     parser.add_argument("--goals", type=int, default=10, help="held-out goals")
     parser.add_argument("--samples", type=int, default=40, help="postures of the identification")
-    parser.add_argument("--noise-only", action="store_true", help="draw the sensors' noise alone")
+    parser.add_argument("--late", action="store_true", help="keep the draws, begin ever later")
     arguments = parser.parse_args()
     for seed in range(arguments.robots):
-        draws = [seed, *range(1000, 1000 + arguments.repeats - 1)]
+        runs = [
+            (seed, float(number)) if arguments.late else (seed if not number else 999 + number, 0.0)
+            for number in range(arguments.repeats)
+        ]
         errors = [
-            error(
-                seed,
-                draw,
-                arguments.minutes,
-                arguments.goals,
-                arguments.samples,
-                noise_only=arguments.noise_only,
-            )
-            * 1e3
-            for draw in draws
+            error(seed, draws, arguments.minutes, arguments.goals, arguments.samples, late) * 1e3
+            for draws, late in runs
         ]
         mean, spread = np.mean(errors), np.std(errors, ddof=1)
         print(
