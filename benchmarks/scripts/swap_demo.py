@@ -1,25 +1,27 @@
-"""The proof of the swap: the same demonstration in the simulator and behind driver and terminal.
+"""The proof of the swap: the same demonstrations in the simulator and behind driver and terminal.
 
 ./bha shell python -m benchmarks.scripts.swap_demo --seeds 0 1 2 --minutes 5
 
-For each robot the whole of `./bha demo` runs twice, one run after the other and each from nothing:
-in the simulator in lockstep, and behind the emulated terminal in real time. Seeds of robot,
-identification, exploration and goals, samples, minutes and goals are the same. Printed are mean and
-median errors over the held-out goals, feed-forward and with feedback, and whether the means behind
-the terminal are within the bound of those in the simulator.
+For each robot the whole of `./bha demo` runs in the simulator in lockstep, and behind the emulated
+terminal in real time, one run after the other and each from nothing. Seeds of robot,
+identification, exploration and goals, samples, minutes and goals are the same. Printed are the mean
+errors of the runs over the held-out goals, feed-forward and with feedback, and whether their mean
+behind the terminal is within the bound of that in the simulator.
 
-What is learned in a few minutes differs by chance, though: a run that begins a second later gives
-other errors, in the simulator alone (benchmarks.scripts.swap_spread). So `--spread` more runs in
-the simulator, in one process, tell where the run behind the terminal lies among its like.
+What is learned in a few minutes differs by chance: a run that begins a second later gives other
+errors, in the simulator alone (benchmarks.scripts.swap_spread). So each runs `--repeats` times, and
+the standard error of the difference is told.
 
 A run behind the terminal takes its time: 5 minutes of exploration and 30 goals take about half an
 hour, and want calm cores: the log of terminal_emulator in the run's folder ends with how many of
-its cycles were late. `--resume` goes on after those that are done; `--dry-run` tells the plan.
+its cycles were late. Robots may run side by side, each in its own ROS_DOMAIN_ID. `--resume` goes on
+after those that are done; `--dry-run` tells the plan.
 """
 
 import argparse
 import json
 import sys
+from collections import defaultdict
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,7 +29,6 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 
-from benchmarks.scripts import swap_spread
 from bha_bringup.demo import run_demo
 from bha_bringup.demo_record import DemoRecord
 from bha_bringup.demo_settings import DemoSettings
@@ -45,7 +46,7 @@ class Comparison:
 
     Attributes
     ----------
-    simulated, emulated : Errors [m], shape (goals,) each.
+    simulated, emulated : Errors [m], shape (runs, goals) each.
     """
 
     simulated: NDArray[np.float64]
@@ -58,10 +59,13 @@ class Comparison:
 
     @property
     def standard_error(self) -> float:
-        """Standard error of the difference from the choice of the goals alone, to first order."""
+        """Standard error of the difference from chance between runs, to first order; NaN of one."""
+        if len(self.simulated) < 2:
+            return float("nan")
         ratio = self.emulated.mean() / self.simulated.mean()
-        residual = (self.emulated - ratio * self.simulated) / self.simulated.mean()
-        return float(residual.std(ddof=1) / np.sqrt(residual.size))
+        spreads = [errors.mean(axis=1).std(ddof=1) for errors in (self.emulated, self.simulated)]
+        spread = np.hypot(spreads[0], ratio * spreads[1]) / self.simulated.mean()
+        return float(spread / np.sqrt(len(self.simulated)))
 
     @property
     def holds(self) -> bool:
@@ -69,23 +73,31 @@ class Comparison:
         return abs(self.difference) <= BOUND
 
     def __str__(self) -> str:
-        def both(errors: NDArray[np.float64]) -> str:
-            return f"{errors.mean() * 1e3:6.1f} {np.median(errors) * 1e3:6.1f}"
+        def told(errors: NDArray[np.float64]) -> str:
+            runs = " ".join(f"{run.mean() * 1e3:.1f}" for run in errors)
+            return f"{runs}: {errors.mean() * 1e3:.1f}"
 
         return (
-            f"{both(self.simulated)}   {both(self.emulated)}   "
+            f"{told(self.simulated):>25s}   {told(self.emulated):>25s}   "
             f"{self.difference:+5.0%} +- {self.standard_error:.0%}  "
             f"{'holds' if self.holds else 'MISSED'}"
         )
 
 
-def plan(seeds: list[int], minutes: float, goals: int, out: Path) -> list[DemoSettings]:
-    """Give the demonstrations in their order; two of a seed differ by the robot alone."""
+def plan(
+    seeds: list[int], minutes: float, goals: int, out: Path, repeats: int = 1
+) -> list[DemoSettings]:
+    """Give the demonstrations in their order; those of a seed differ by the robot alone."""
     return [
         DemoSettings(
-            minutes=minutes, seed=seed, goals=goals, robot=robot, out=out / f"{robot}_seed{seed}"
+            minutes=minutes,
+            seed=seed,
+            goals=goals,
+            robot=robot,
+            out=out / f"{robot}_seed{seed}_run{run}",
         )
         for seed in seeds
+        for run in range(repeats)
         for robot in (SIM, EMULATED)
     ]
 
@@ -124,25 +136,6 @@ def counts(settings: DemoSettings) -> str:
     )
 
 
-def place(settings: DemoSettings, mean: float, runs: int) -> str:
-    """Tell where a mean error [m] lies among runs in the simulator that begin seconds later."""
-    seed, minutes, goals = settings.seed, settings.minutes, settings.goals
-    others = np.array(
-        [
-            swap_spread.error(
-                seed, seed, minutes, goals, settings.identification_samples, float(late)
-            )
-            for late in range(1, 1 + runs)
-        ]
-    )
-    low, high = others.min() * 1e3, others.max() * 1e3
-    return (
-        f"{mean * 1e3:.1f} mm behind the terminal; {runs} runs in the simulator {low:.1f} to "
-        f"{high:.1f} mm, mean {others.mean() * 1e3:.1f} mm: {mean / others.mean() - 1.0:+.0%}; "
-        f"{int((others < mean).sum())} of them are better"
-    )
-
-
 def main() -> None:
     """Print one line a robot and kind, and end with 1 where the bound does not hold."""
     parser = argparse.ArgumentParser(
@@ -152,37 +145,35 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=5.0, help="robot minutes of exploration")
     parser.add_argument("--goals", type=int, default=30, help="held-out goals of each run")
     parser.add_argument("--out", type=Path, default=Path("results/swap_demo"), help="folder")
-    parser.add_argument("--spread", type=int, default=8, help="more runs in the simulator; or 0")
+    parser.add_argument("--repeats", type=int, default=3, help="runs of each robot")
     parser.add_argument("--resume", action="store_true", help="take over runs that are done")
     parser.add_argument("--dry-run", action="store_true", help="tell the plan, run nothing")
     arguments = parser.parse_args()
     console = Console(highlight=False)
-    errors: dict[tuple[int, str], dict[str, NDArray[np.float64]]] = {}
-    for settings in plan(arguments.seeds, arguments.minutes, arguments.goals, arguments.out):
+    planned = plan(
+        arguments.seeds, arguments.minutes, arguments.goals, arguments.out, arguments.repeats
+    )
+    runs: dict[tuple[int, str, str], list[NDArray[np.float64]]] = defaultdict(list)
+    for settings in planned:
         found = stored(settings) if arguments.resume else None
         state = "done" if found else "to run"
         console.print(f"robot {settings.seed}, {settings.robot}: {state}, {settings.out}")
         if not arguments.dry_run:
-            errors[settings.seed, settings.robot] = found or measure(settings, console)
+            for kind, errors in (found or measure(settings, console)).items():
+                runs[settings.seed, settings.robot, kind].append(errors)
     if arguments.dry_run:
         return
-    for settings in plan(arguments.seeds, arguments.minutes, arguments.goals, arguments.out):
+    for settings in planned:
         print(f"robot {settings.seed}, {settings.robot}: {counts(settings)}")
-    print("mean and median error over the goals [mm]")
-    print(f"{'robot':6s} {'':14s} {'simulator':>13s}   {'terminal':>13s}   means differ by")
+    print("mean errors over the goals, of each run and of all [mm]")
+    print(f"{'robot':6s} {'':14s} {'simulator':>25s}   {'terminal':>25s}   means differ by")
     missed = 0
     for seed in arguments.seeds:
         for kind, words in KINDS.items():
-            one = Comparison(errors[seed, SIM][kind], errors[seed, EMULATED][kind])
+            one = Comparison(*(np.array(runs[seed, robot, kind]) for robot in (SIM, EMULATED)))
             missed += not one.holds
             print(f"{seed:<6d} {words:14s} {one}")
     print(f"within {BOUND:.0%}: {'all' if not missed else f'{missed} are not'}")
-    if arguments.spread:
-        for settings in plan(arguments.seeds, arguments.minutes, arguments.goals, arguments.out):
-            if settings.robot == EMULATED:
-                mean = float(errors[settings.seed, EMULATED]["feedforward"].mean())
-                where = place(settings, mean, arguments.spread)
-                print(f"robot {settings.seed}, feed-forward: {where}", flush=True)
     sys.exit(1 if missed else 0)
 
 
