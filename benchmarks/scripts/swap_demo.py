@@ -9,8 +9,8 @@ errors of the runs over the held-out goals, feed-forward and with feedback, and 
 behind the terminal is within the bound of that in the simulator.
 
 What is learned in a few minutes differs by chance: a run that begins a second later gives other
-errors, in the simulator alone (benchmarks.scripts.swap_spread). So each runs `--repeats` times, and
-the standard error of the difference is told.
+errors, in the simulator alone (benchmarks.scripts.swap_spread). So each runs several times, the
+simulator more often, where a run takes a minute; the standard error of the difference is told.
 
 A run behind the terminal takes its time: 5 minutes of exploration and 30 goals take about half an
 hour, and want calm cores: the log of terminal_emulator in the run's folder ends with how many of
@@ -46,7 +46,7 @@ class Comparison:
 
     Attributes
     ----------
-    simulated, emulated : Errors [m], shape (runs, goals) each.
+    simulated, emulated : Errors [m], shape (runs, goals); the number of runs may differ.
     """
 
     simulated: NDArray[np.float64]
@@ -60,12 +60,14 @@ class Comparison:
     @property
     def standard_error(self) -> float:
         """Standard error of the difference from chance between runs, to first order; NaN of one."""
-        if len(self.simulated) < 2:
+        if min(len(self.simulated), len(self.emulated)) < 2:
             return float("nan")
-        ratio = self.emulated.mean() / self.simulated.mean()
-        spreads = [errors.mean(axis=1).std(ddof=1) for errors in (self.emulated, self.simulated)]
-        spread = np.hypot(spreads[0], ratio * spreads[1]) / self.simulated.mean()
-        return float(spread / np.sqrt(len(self.simulated)))
+
+        def relative(errors: NDArray[np.float64]) -> float:
+            means = errors.mean(axis=1)
+            return float(means.std(ddof=1) / means.mean() / np.sqrt(len(means)))
+
+        return (1.0 + self.difference) * np.hypot(relative(self.simulated), relative(self.emulated))
 
     @property
     def holds(self) -> bool:
@@ -75,17 +77,17 @@ class Comparison:
     def __str__(self) -> str:
         def told(errors: NDArray[np.float64]) -> str:
             runs = " ".join(f"{run.mean() * 1e3:.1f}" for run in errors)
-            return f"{runs}: {errors.mean() * 1e3:.1f}"
+            return f"{errors.mean() * 1e3:.1f} ({runs})"
 
         return (
-            f"{told(self.simulated):>25s}   {told(self.emulated):>25s}   "
-            f"{self.difference:+5.0%} +- {self.standard_error:.0%}  "
+            f"simulator {told(self.simulated)}, terminal {told(self.emulated)}: "
+            f"{self.difference:+.0%} +- {self.standard_error:.0%}  "
             f"{'holds' if self.holds else 'MISSED'}"
         )
 
 
 def plan(
-    seeds: list[int], minutes: float, goals: int, out: Path, repeats: int = 1
+    seeds: list[int], minutes: float, goals: int, out: Path, repeats: dict[str, int]
 ) -> list[DemoSettings]:
     """Give the demonstrations in their order; those of a seed differ by the robot alone."""
     return [
@@ -97,8 +99,8 @@ def plan(
             out=out / f"{robot}_seed{seed}_run{run}",
         )
         for seed in seeds
-        for run in range(repeats)
-        for robot in (SIM, EMULATED)
+        for robot, runs in repeats.items()
+        for run in range(runs)
     ]
 
 
@@ -145,13 +147,18 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=5.0, help="robot minutes of exploration")
     parser.add_argument("--goals", type=int, default=30, help="held-out goals of each run")
     parser.add_argument("--out", type=Path, default=Path("results/swap_demo"), help="folder")
-    parser.add_argument("--repeats", type=int, default=3, help="runs of each robot")
+    parser.add_argument("--simulated", type=int, default=9, help="runs of a robot, simulator")
+    parser.add_argument("--emulated", type=int, default=3, help="runs of a robot, terminal")
     parser.add_argument("--resume", action="store_true", help="take over runs that are done")
     parser.add_argument("--dry-run", action="store_true", help="tell the plan, run nothing")
     arguments = parser.parse_args()
     console = Console(highlight=False)
     planned = plan(
-        arguments.seeds, arguments.minutes, arguments.goals, arguments.out, arguments.repeats
+        arguments.seeds,
+        arguments.minutes,
+        arguments.goals,
+        arguments.out,
+        {SIM: arguments.simulated, EMULATED: arguments.emulated},
     )
     runs: dict[tuple[int, str, str], list[NDArray[np.float64]]] = defaultdict(list)
     for settings in planned:
@@ -165,14 +172,13 @@ def main() -> None:
         return
     for settings in planned:
         print(f"robot {settings.seed}, {settings.robot}: {counts(settings)}")
-    print("mean errors over the goals, of each run and of all [mm]")
-    print(f"{'robot':6s} {'':14s} {'simulator':>25s}   {'terminal':>25s}   means differ by")
+    print("mean errors over the goals, of all runs and of each [mm], and how far the means differ")
     missed = 0
     for seed in arguments.seeds:
         for kind, words in KINDS.items():
             one = Comparison(*(np.array(runs[seed, robot, kind]) for robot in (SIM, EMULATED)))
             missed += not one.holds
-            print(f"{seed:<6d} {words:14s} {one}")
+            print(f"robot {seed}, {words}: {one}")
     print(f"within {BOUND:.0%}: {'all' if not missed else f'{missed} are not'}")
     sys.exit(1 if missed else 0)
 
