@@ -152,6 +152,8 @@ def main() -> None:
     parser.add_argument("--resume", action="store_true", help="take over runs that are done")
     parser.add_argument("--dry-run", action="store_true", help="tell the plan, run nothing")
     arguments = parser.parse_args()
+    if min(arguments.simulated, arguments.emulated) < 1:
+        parser.error("--simulated and --emulated must be at least 1")
     console = Console(highlight=False)
     planned = plan(
         arguments.seeds,

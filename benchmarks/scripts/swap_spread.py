@@ -4,9 +4,10 @@
 
 The robot of each seed is identified, explores and reaches held-out goals as in `./bha demo`,
 feed-forward, once with the seed's own draws and then with others for postures, exploration, noise
-and drift of the sensors. With `--late` all runs have the seed's own draws, and each begins a second
-of robot time later than the one before. That is what two runs of benchmarks.scripts.swap_demo
-differ by, so it is the scale on which a driver between the two can be judged.
+and drift of the sensors. With `--late 1` all runs have the seed's own draws, and each begins a
+second of robot time later than the one before. That is what runs of benchmarks.scripts.swap_demo
+differ by, so it is the scale on which a driver between the two can be judged. With `--late 60` the
+sensors have drifted elsewhere from one run to the next.
 """
 
 import argparse
@@ -48,12 +49,12 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=5.0, help="robot minutes of exploration")
     parser.add_argument("--goals", type=int, default=10, help="held-out goals")
     parser.add_argument("--samples", type=int, default=40, help="postures of the identification")
-    parser.add_argument("--late", action="store_true", help="keep the draws, begin ever later")
+    parser.add_argument("--late", type=float, help="keep the draws, begin ever later by this [s]")
     arguments = parser.parse_args()
     for seed in range(arguments.robots):
         runs = [
-            (seed, float(number)) if arguments.late else (seed if not number else 999 + number, 0.0)
-            for number in range(arguments.repeats)
+            (seed if arguments.late or not run else 999 + run, run * (arguments.late or 0.0))
+            for run in range(arguments.repeats)
         ]
         errors = [
             error(seed, draws, arguments.minutes, arguments.goals, arguments.samples, late) * 1e3

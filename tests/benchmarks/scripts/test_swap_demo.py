@@ -93,3 +93,13 @@ def test_it_says_whether_the_bound_holds(
     assert ("within 20%: all" in shown) is (code == 0)
     assert "simulator 10.0 (10.0 10.0 10.0)" in shown
     assert shown.count("0 movements, 0 samples, 0 maps") == 4
+
+
+@pytest.mark.parametrize("kind", ["--simulated", "--emulated"])
+def test_no_runs_are_refused(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], kind: str
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["swap_demo", kind, "0"])
+    with pytest.raises(SystemExit):
+        swap_demo.main()
+    assert "--simulated and --emulated must be at least 1" in capsys.readouterr().err
