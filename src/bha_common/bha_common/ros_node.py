@@ -143,27 +143,31 @@ class BhaNode(Node):
             executor.shutdown(timeout_sec=0.0)
 
     def _serve(self, executor: SingleThreadedExecutor) -> None:
-        """Serve what is ready, and what follows from it before the next message of a stream.
+        """Serve what is ready now, and begin the actions that were accepted among it.
 
-        An action that was accepted begins with its acceptance: the robot may move on at once.
+        An accepted action must begin before the next message of a stream: the robot may move on at
+        once. Anything else that has come meanwhile waits for its turn, so that every node has seen
+        a stop before any of them sees its reset.
         """
         served: list[Any] = []
-        before = -1
-        while before < len(served) < _HANDLERS_A_ROUND:
-            before = len(served)
+        all_looked_at = False
+        while len(served) < _HANDLERS_A_ROUND:
             try:
-                while len(served) < _HANDLERS_A_ROUND:
-                    handler, _, _ = executor.wait_for_ready_callbacks(timeout_sec=0.0)
-                    # The executor offers a coroutine that waits again and again: once is enough.
-                    if handler in served:
-                        return
-                    handler()
-                    error = handler.exception()
-                    if error is not None:
-                        raise error
-                    served.append(handler)
+                handler, entity, _ = executor.wait_for_ready_callbacks(timeout_sec=0.0)
             except TimeoutException:
-                pass  # it has not looked yet for coroutines that what was served has begun
+                if all_looked_at:
+                    return
+                all_looked_at = True
+                continue
+            # The executor offers a coroutine that waits again and again: once is enough. One that
+            # has just begun belongs to no entity; what is left here is offered again.
+            if handler in served or (all_looked_at and entity is not None):
+                return
+            handler()
+            error = handler.exception()
+            if error is not None:
+                raise error
+            served.append(handler)
 
     def _publish_diagnostics(self) -> None:
         level, summary, values = self.diagnose()
