@@ -143,31 +143,20 @@ class BhaNode(Node):
             executor.shutdown(timeout_sec=0.0)
 
     def _serve(self, executor: SingleThreadedExecutor) -> None:
-        """Serve what is ready now, and begin the actions that were accepted among it.
-
-        An accepted action must begin before the next message of a stream: the robot may move on at
-        once. Anything else that has come meanwhile waits for its turn, so that every node has seen
-        a stop before any of them sees its reset.
-        """
         served: list[Any] = []
-        all_looked_at = False
-        while len(served) < _HANDLERS_A_ROUND:
-            try:
-                handler, entity, _ = executor.wait_for_ready_callbacks(timeout_sec=0.0)
-            except TimeoutException:
-                if all_looked_at:
-                    return
-                all_looked_at = True
-                continue
-            # The executor offers a coroutine that waits again and again: once is enough. One that
-            # has just begun belongs to no entity; what is left here is offered again.
-            if handler in served or (all_looked_at and entity is not None):
-                return
-            handler()
-            error = handler.exception()
-            if error is not None:
-                raise error
-            served.append(handler)
+        try:
+            for _ in range(_HANDLERS_A_ROUND):
+                handler, _, _ = executor.wait_for_ready_callbacks(timeout_sec=0.0)
+                handler()
+                error = handler.exception()
+                if error is not None:
+                    raise error
+                # The executor offers a coroutine that waits again and again: once is enough.
+                if handler in served:
+                    break
+                served.append(handler)
+        except TimeoutException:
+            pass
 
     def _publish_diagnostics(self) -> None:
         level, summary, values = self.diagnose()

@@ -29,6 +29,7 @@ from bha_common.ros_wire import encode_lengths
 from bha_common.settings import check_settings, setting
 from bha_common.stamps import StreamClock, check_command_stamp
 from bha_goal_babbling.arrays import FloatArray
+from bha_goal_babbling.babbling_session import BabblingSession
 from bha_goal_babbling.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from bha_goal_babbling.command_timing import TIP_LOST, CommandTiming
 from bha_goal_babbling.learner import Learner, RefusedError
@@ -80,6 +81,7 @@ class LearnerNode(BhaNode):
         self._timing = CommandTiming(settings.command_period, self._settings.tip_timeout)
         self._saved_at = self._learner.exploration_time
         self._babbled: Future | None = None
+        self._begun: tuple[BabblingSession, Future] | None = None
 
         self._commands = self.create_publisher(JointState, "length_command", CONTROL_QOS)
         self._status = self.create_publisher(LearningStatus, "learning_status", CONTROL_QOS)
@@ -107,6 +109,7 @@ class LearnerNode(BhaNode):
             "~/babble",
             self._babble,
             goal_callback=self._accept_babble,
+            handle_accepted_callback=self._begin_babble,
             cancel_callback=lambda _: CancelResponse.ACCEPT,
         )
         warm_up(task)  # while the others find this node
@@ -188,16 +191,18 @@ class LearnerNode(BhaNode):
             return GoalResponse.REJECT
         return GoalResponse.ACCEPT
 
-    async def _babble(self, handle: ServerGoalHandle) -> Babble.Result:
-        result = Babble.Result()
-        try:
-            session = self._learner.babble(handle.request.duration, restart=handle.request.restart)
-        except RefusedError as error:
-            result.message = str(error)
-            handle.abort()
-            return result
-        self._babbled = done = Future()
+    def _begin_babble(self, handle: ServerGoalHandle) -> None:
+        """Begin with the acceptance: `_babble` comes a round later, and the robot moves on."""
+        request = handle.request
+        session = self._learner.babble(request.duration, restart=request.restart)
+        self._babbled = Future()
+        self._begun = session, self._babbled
         self._saved_at = self._learner.exploration_time
+        handle.execute()
+
+    async def _babble(self, handle: ServerGoalHandle) -> Babble.Result:
+        assert self._begun is not None
+        session, done = self._begun
 
         def tell() -> None:
             if handle.is_cancel_requested and self._learner.session is session:
@@ -207,6 +212,7 @@ class LearnerNode(BhaNode):
                 handle.publish_feedback(Babble.Feedback(status=status, elapsed=session.elapsed))
 
         await self.with_progress(done, tell)
+        result = Babble.Result()
         result.status = self._status_message(self._robot_clock.now or 0)
         if handle.is_cancel_requested:
             result.message = "cancelled; everything learned so far is kept"
