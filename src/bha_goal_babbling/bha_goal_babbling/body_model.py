@@ -66,6 +66,8 @@ class BodyModel:
         goal: FloatArray,
         low: FloatArray | float = -np.inf,
         high: FloatArray | float = np.inf,
+        *,
+        cautious: bool = False,
     ) -> FloatArray:
         """Return an action near a given one, shape (m,), that brings a goal, shape (n,).
 
@@ -75,12 +77,15 @@ class BodyModel:
             Where to begin, and the goal.
         low, high : array, optional
             Ends that were found just now, shape (m,): what was learned of ends gives way to them.
+        cautious : bool
+            As of `refined`.
         """
         goal = goal / self._outcome_scale
         scaled = action / self._action_scale
         found = low / self._action_scale, high / self._action_scale
-        ends = [np.clip(end, *found) for end in self._range.at(goal)]
-        return self._action_scale * refined(scaled, goal, self._forward, ends[0], ends[1], _REACH)
+        low, high = (np.clip(end, *found) for end in self._range.at(goal))
+        answer = refined(scaled, goal, self._forward, low, high, _REACH, cautious=cautious)
+        return self._action_scale * answer
 
     def predict(self, action: FloatArray) -> FloatArray:
         """Return the outcome, shape (n,), of an action without offsets, shape (m,)."""

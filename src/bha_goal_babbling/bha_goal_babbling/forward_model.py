@@ -74,9 +74,38 @@ class ForwardModel:
 
     def jacobian(self, action: FloatArray) -> FloatArray:
         """Return df/dq at an action, shape (m,), as shape (n, m)."""
-        slope = np.empty((self._parameters.shape[1], action.size))
-        _jacobian(action - self._home, self._factors, self._parameters, slope)
+        slopes = self._slopes(action)
+        slope: FloatArray = self._parameters[: len(slopes)].T @ slopes
         return slope
+
+    def variance_near(self, action: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return how the variance of a prediction changes with the action.
+
+        Of each entry of f(q + s) it is v(q) + 2 rise' s + s' curvature s, with phi taken as linear
+        in s. It comes from the parameters that are not known yet: it is small where examples were.
+
+        Parameters
+        ----------
+        action : array
+            The action q, shape (m,).
+
+        Returns
+        -------
+        tuple
+            rise, shape (m,), and curvature, shape (m, m).
+        """
+        slopes = self._slopes(action)
+        size = len(slopes)
+        features = np.empty(size)
+        _features(action - self._home, self._factors, features)
+        spread = self._covariance[:size, :size] @ slopes
+        return spread.T @ features, slopes.T @ spread
+
+    def _slopes(self, action: FloatArray) -> FloatArray:
+        """Return dphi/dq at an action, shape (features, m)."""
+        slopes = np.empty((len(self._factors), action.size))
+        _slopes(action - self._home, self._factors, slopes)
+        return slopes
 
     def expect(self, action: FloatArray) -> tuple[FloatArray, FloatArray, float]:
         """Return what the next example is expected to be, before it is learned.
@@ -186,9 +215,9 @@ def _features(z: FloatArray, factors: Any, features: FloatArray) -> None:
 
 
 @numba.njit(cache=True)
-def _jacobian(z: FloatArray, factors: Any, parameters: FloatArray, slope: FloatArray) -> None:
-    """Write the derivative of parameters' phi(z), shape (n, m)."""
-    slope[:] = 0.0
+def _slopes(z: FloatArray, factors: Any, slopes: FloatArray) -> None:
+    """Write the derivative of phi(z), shape (features, m)."""
+    slopes[:] = 0.0
     for row in range(factors.shape[0]):
         for column in range(factors.shape[1]):
             along = factors[row, column]
@@ -198,8 +227,7 @@ def _jacobian(z: FloatArray, factors: Any, parameters: FloatArray, slope: FloatA
             for other in range(factors.shape[1]):
                 if other != column and factors[row, other] < z.size:
                     product *= z[factors[row, other]]
-            for i in range(slope.shape[0]):
-                slope[i, along] += product * parameters[row, i]
+            slopes[row, along] += product
 
 
 @numba.njit(cache=True)

@@ -308,7 +308,7 @@ class GoalBabbler:
         self._noise.advance(self._rng)
         noise = self._noise.at((target - self._noise_origin) / self.config.outcome_scale)
         share = self._amplitude.share(self._movements.goal_error)
-        return self._knowledge.solution(target) + share * noise
+        return self._knowledge.solution(target, explores=True) + share * noise
 
     def _paths(self, goals: ArrayLike) -> TargetSource:
         config = self.config

@@ -64,6 +64,8 @@ class Knowledge:
         goal: FloatArray,
         low: FloatArray | float = -np.inf,
         high: FloatArray | float = np.inf,
+        *,
+        explores: bool = False,
     ) -> FloatArray:
         """Return the action, shape (m,), that is to bring a goal, shape (n,).
 
@@ -79,7 +81,7 @@ class Knowledge:
         if self._body is None:
             return action
         offsets = self._body.offsets
-        return self._body.refine(action, goal, low - offsets, high - offsets)
+        return self._body.refine(action, goal, low - offsets, high - offsets, cautious=not explores)
 
     def reading(self, action: FloatArray) -> FloatArray:
         """Return what sensors are to read of actions, shape (..., m), within the limits."""

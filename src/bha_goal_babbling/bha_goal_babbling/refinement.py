@@ -24,12 +24,18 @@ def refined(
     low: FloatArray,
     high: FloatArray,
     reach: float,
+    *,
+    cautious: bool = False,
 ) -> FloatArray:
     """Return the action near a given one whose predicted outcome is the goal.
 
-    The step is that of damped least squares (Nakamura and Hanafusa, 1986),
-    dq = J' (J J' + damping^2 I)^-1 (x* - f(q)), among the actions within their range: where an
-    entry comes to an end, the others make up for it.
+    The step is that of damped least squares (Nakamura and Hanafusa, 1986): the least of
+    |x* - f(q) - J dq|^2 + damping^2 |dq|^2 among the actions within their range. Where an entry
+    comes to an end, the others make up for it.
+
+    The model is sure of what it says near what was explored, and only there. A cautious step counts
+    that: what it makes least is the expected square of the miss, E |x* - x|^2 =
+    |x* - f(q)|^2 + n v(q), v the variance of each of the n entries of f(q).
 
     Parameters
     ----------
@@ -45,46 +51,53 @@ def refined(
         Largest distance of the answer from the action once it is within the range, in the unit of
         actions: farther away the model has seen nothing. What the range takes from the action is
         added, since others have to make up for as much.
+    cautious : bool
+        Whether what the model does not know counts: not for exploration, which is to find it out.
     """
     start = np.minimum(np.maximum(action, low), high)
     refined = start
     near, far = _ITERATIONS, _FAR_ITERATIONS
+    damping = _DAMPING**2 * np.eye(action.size)
     while near > 0 and far > 0:
         missed = goal - model.predict(refined)
-        length = np.linalg.norm(missed)
+        length = float(np.linalg.norm(missed))
         if length > _TRUSTED:
-            missed = missed * (_TRUSTED / length)
+            share = _TRUSTED / length
             far -= 1
         else:
+            share = 1.0
             near -= 1
-        refined = _step(refined, missed, model.jacobian(refined), low, high)
+        slope = model.jacobian(refined)
+        pull = slope.T @ missed
+        stiffness = slope.T @ slope + damping
+        if cautious:
+            rise, curvature = model.variance_near(refined)
+            pull -= goal.size * rise
+            stiffness += goal.size * curvature
+        refined = refined + _step(stiffness, share * pull, low - refined, high - refined)
     away = refined - start
     distance = float(np.linalg.norm(away))
     reach = reach + float(np.linalg.norm(start - action))
     return refined if distance <= reach else start + away * (reach / distance)
 
 
-def _step(
-    action: FloatArray, missed: FloatArray, jacobian: FloatArray, low: FloatArray, high: FloatArray
-) -> FloatArray:
-    """Take the step s of least |J s - missed|^2 + damping^2 |s|^2 within the range.
+def _step(stiffness: FloatArray, pull: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
+    """Return the step s within its range, all of shape (m,), of least s' stiffness s - 2 s' pull.
 
     Which entries lie at an end is found by block principal pivoting (Portugal, Judice and Vicente,
     1994). The answer is the only one there is, so it moves but little when the goal does: an entry
     that is held too early and never let go makes answers jump to and fro.
     """
-    low, high = low - action, high - action
-    at_low = np.zeros(action.size, dtype=bool)
-    at_high = np.zeros(action.size, dtype=bool)
-    damping = _DAMPING**2 * np.eye(missed.size)
+    at_low = np.zeros(pull.size, dtype=bool)
+    at_high = np.zeros(pull.size, dtype=bool)
     for round_ in range(_ROUNDS):
         held = np.where(at_low, low, np.where(at_high, high, 0.0))
-        moving = jacobian * ~(at_low | at_high)
-        rest = missed - jacobian @ held
-        step = held + moving.T @ np.linalg.solve(moving @ moving.T + damping, rest)
-        pull = jacobian.T @ (missed - jacobian @ step) - _DAMPING**2 * step
-        flips_low = np.where(at_low, pull > _SLACK, ~at_high & (step < low - _SLACK))
-        flips_high = np.where(at_high, pull < -_SLACK, ~at_low & (step > high + _SLACK))
+        free = ~(at_low | at_high)
+        moving = np.where(np.outer(free, free), stiffness, np.eye(pull.size))
+        step = held + np.linalg.solve(moving, np.where(free, pull - stiffness @ held, 0.0))
+        left = pull - stiffness @ step
+        flips_low = np.where(at_low, left > _SLACK, ~at_high & (step < low - _SLACK))
+        flips_high = np.where(at_high, left < -_SLACK, ~at_low & (step > high + _SLACK))
         flips = flips_low | flips_high
         if not flips.any():
             break
@@ -92,5 +105,5 @@ def _step(
             flips &= np.arange(flips.size) == flips.nonzero()[0][-1]
         at_low ^= flips_low & flips
         at_high ^= flips_high & flips
-    answer: FloatArray = action + np.minimum(np.maximum(step, low), high)
+    answer: FloatArray = np.minimum(np.maximum(step, low), high)
     return answer

@@ -156,6 +156,31 @@ def test_the_slope_is_that_of_the_prediction(m: int, n: int, seed: int) -> None:
     np.testing.assert_allclose(model.jacobian(action), np.transpose(numerical), atol=1e-6)
 
 
+def test_tells_how_its_variance_changes_nearby() -> None:
+    """That of phi' P phi, where phi changes in proportion to the action."""
+    rng = np.random.default_rng(3)
+    home = rng.standard_normal(3)
+    model = ForwardModel(home, np.zeros(2), 0.3)
+    for _ in range(30):
+        learn(model, home + rng.uniform(-1.0, 1.0, 3), rng.standard_normal(2))
+    action = home + rng.uniform(-1.0, 1.0, 3)
+
+    def variance(at: FloatArray) -> float:
+        model.pause()
+        return model.expect(at)[2]
+
+    rise, curvature = model.variance_near(action)
+    small = 1e-6 * np.eye(3)
+    slope = [(variance(action + e) - variance(action - e)) / 2e-6 for e in small]
+    np.testing.assert_allclose(2.0 * rise, slope, atol=1e-6)
+    size = powers(np.zeros((1, 3))).shape[1]
+    covariance = model.state().arrays["covariance"][:size, :size]
+    z = action - home
+    slopes = np.array([(powers((z + e)[None]) - powers((z - e)[None]))[0] / 2e-6 for e in small])
+    np.testing.assert_allclose(curvature, slopes @ covariance @ slopes.T, atol=1e-6)
+    assert (np.linalg.eigvalsh(curvature) > 0.0).all()
+
+
 def test_lags_are_told_apart_from_where_the_robot_is() -> None:
     """An outcome that trails velocity and acceleration: at rest the function itself is left."""
     robot, rng = Cubic(2, 2, 5), np.random.default_rng(6)

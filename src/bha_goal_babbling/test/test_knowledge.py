@@ -69,11 +69,14 @@ def test_with_a_body_model_answers_are_refined_and_told_as_readings() -> None:
         action, outcome = corrected, tip
     np.testing.assert_array_equal(known.action, action)
     goal = TIP + np.array([-0.05, 0.1])
-    refined = body.refine(inverse.predict(goal), goal)
+    refined = body.refine(inverse.predict(goal), goal, cautious=True)
     assert np.abs(refined - inverse.predict(goal)).max() > 1e-3
     assert np.abs(body.offsets).max() > 1e-3
     np.testing.assert_array_equal(known.solution(goal), refined)
     np.testing.assert_array_equal(known.inverse(goal), refined + body.offsets)
+    bold = body.refine(inverse.predict(goal), goal)
+    assert np.abs(bold - refined).max() > 1e-6
+    np.testing.assert_array_equal(known.solution(goal, explores=True), bold)
 
 
 @pytest.mark.parametrize("settings", [PLAIN, BODY], ids=["plain", "body"])

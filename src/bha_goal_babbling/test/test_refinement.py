@@ -32,6 +32,17 @@ class Linear:
         return self.slope
 
 
+class Unsure(Linear):
+    """The same, and sure of it about an action that is known."""
+
+    def __init__(self, slope: FloatArray, known: FloatArray, curvature: FloatArray) -> None:
+        super().__init__(slope)
+        self.known, self.curvature = known, curvature
+
+    def variance_near(self, action: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return self.curvature @ (action - self.known), self.curvature
+
+
 WIDE = np.full(5, 3.0)
 ARM = Arm(5, length=2.0)
 """Two metres long: about the slopes of the trunk in scaled units."""
@@ -82,6 +93,31 @@ def test_stays_within_the_ends(seed: int, width: float, far: float) -> None:
     begin = np.clip(start, low, high)
     reach += float(np.linalg.norm(begin - start))
     assert np.linalg.norm(answer - begin) <= reach * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_cautious_answer_makes_the_expected_miss_least(seed: int) -> None:
+    """|x* - J q|^2 + n v(q), v = (q - known)' U (q - known): least squares tells the answer."""
+    rng = np.random.default_rng(seed)
+    slope, known = rng.standard_normal((2, 5)), 0.2 * rng.standard_normal(5)
+    root = np.diag(rng.uniform(0.3, 1.0, 5)) @ np.linalg.qr(rng.standard_normal((5, 5)))[0]
+    model = Unsure(slope, known, root.T @ root)
+    start, goal = known + 0.2 * rng.standard_normal(5), slope @ known + 0.1
+    answer = refined(start, goal, model, -WIDE, WIDE, 10.0, cautious=True)
+    rows = np.vstack([slope, np.sqrt(2.0) * root])
+    right = np.concatenate([goal, np.sqrt(2.0) * root @ known])
+    best = np.linalg.lstsq(rows, right, rcond=None)[0]
+    np.testing.assert_allclose(answer, best, atol=1e-3)
+    bold = refined(start, goal, model, -WIDE, WIDE, 10.0)
+    assert np.linalg.norm(bold - best) > 0.05
+
+
+def test_a_cautious_answer_stays_within_the_ends() -> None:
+    """Also where all that is known lies beyond them, and the goal is far."""
+    model = Unsure(np.ones((1, 2)), np.array([2.0, -1.0]), np.eye(2))
+    ends = np.array([0.5, 0.5])
+    answer = refined(np.zeros(2), np.array([1.0]), model, -ends, ends, 10.0, cautious=True)
+    np.testing.assert_allclose(answer, [0.5, -0.25], atol=0.01)
 
 
 def test_others_make_up_for_an_entry_at_its_end() -> None:
