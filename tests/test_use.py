@@ -1,4 +1,4 @@
-"""Learning goes on while the robot is used: over the graph, when the learner is told so."""
+"""What goals of a user teach, over the graph: as much as the learner is told to take."""
 
 from __future__ import annotations
 
@@ -13,13 +13,15 @@ pytestmark = pytest.mark.graph
 GOALS = (np.array([0.2, 0.1, 0.74]), np.array([-0.15, 0.2, 0.74]))
 
 
-@pytest.mark.parametrize("learns", [True, False])
-def test_goals_of_a_user_are_learned_and_kept(start_graph: StartGraph, learns: bool) -> None:
-    graph = start_graph(parameters={"learner": {"learn_in_use": learns}})
+@pytest.mark.parametrize("lesson", ["nothing", "offsets", "everything"])
+def test_goals_of_a_user_teach_and_what_they_teach_is_kept(
+    start_graph: StartGraph, lesson: str
+) -> None:
+    graph = start_graph(parameters={"learner": {"learn_in_use": lesson}})
     for goal in GOALS:
         graph.client.reach(goal, timeout=60.0)
     examples = int(graph.fresh("learner")["examples in use"])
-    if learns:  # some on the way to each goal; how many depends on when its tips come
+    if lesson != "nothing":  # some on the way to each goal; how many depends on when its tips come
         assert examples >= 2 * len(GOALS)
     else:
         assert examples == 0
@@ -30,6 +32,10 @@ def test_goals_of_a_user_are_learned_and_kept(start_graph: StartGraph, learns: b
     before = load_checkpoint(
         graph.folder / "models" / "inverse_model.npz", robot=ROBOT, task="2d"
     ).babbler
-    goals = np.array([goal[:2] for goal in GOALS])
-    assert np.array_equal(used.inverse(goals), before.inverse(goals)) != learns
+    maps, offsets = (
+        [babbler.state().arrays[name] for babbler in (before, used)]
+        for name in ("learned_maps_parameters", "body_offsets_values")
+    )
+    assert np.array_equal(*maps) == (lesson != "everything")
+    assert np.array_equal(*offsets) == (lesson == "nothing")
     assert used.samples == before.samples

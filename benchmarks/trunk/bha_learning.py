@@ -48,7 +48,7 @@ def run(seed: int, *, space: str, method: str, minutes: list[float], goals: int)
     """Let one robot identify its pressures and babble, and send it to held-out goals in between.
 
     Exploration counts from the first movement to home on; what the goals take counts as age of
-    the robot, and teaches nothing.
+    the robot, and teaches nothing but what its potentiometers are off by just then.
     """
     task = task_of(space, method)
     robot = InProcessRobot(task, seed=seed)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from bha_bringup.in_process import InProcessRobot
 from bha_goal_babbling.goal_babbler import GoalBabbler
+from bha_goal_babbling.saved_state import SavedState
 from bha_goal_babbling.task import Task, find_task
 
 if TYPE_CHECKING:
@@ -77,21 +78,26 @@ def errors(robot: InProcessRobot, goals: Array) -> Array:
     return np.asarray(np.linalg.norm(offsets(robot, goals), axis=1))
 
 
-def frozen_errors(robot: InProcessRobot, goals: Array, frozen: GoalBabbler) -> Array:
-    """Return the same with what was learned before, and go on with what the robot has learned."""
+def frozen_errors(robot: InProcessRobot, goals: Array, frozen: SavedState) -> Array:
+    """Return the same with what was learned before, and go on with what the robot has learned.
+
+    Every goal is answered by what was known then, offsets of the sensors included.
+    """
     learned, time = robot.learner.babbler, robot.learner.exploration_time
     assert learned is not None
-    robot.learner.use(frozen)
-    found = errors(robot, goals)
+    found = []
+    for goal in goals:
+        robot.learner.use(GoalBabbler.restore(frozen))
+        found.append(errors(robot, goal[np.newaxis])[0])
     robot.learner.use(learned, time)
-    return found
+    return np.array(found)
 
 
-def copy_of_learned(robot: InProcessRobot) -> GoalBabbler:
-    """Return a copy of what the robot has learned that learns nothing more."""
+def learned_by(robot: InProcessRobot) -> SavedState:
+    """Return what the robot has learned so far."""
     babbler = robot.learner.babbler
     assert babbler is not None
-    return GoalBabbler.restore(babbler.state())
+    return babbler.state()
 
 
 def draw_spread(axes: Axes, x: Sequence[float], values: Array, colour: str, label: str) -> None:

@@ -114,23 +114,34 @@ class BodyModel:
         scaled, seen = reading / self._action_scale, outcome / self._outcome_scale
         if command is None:
             self.pause()
-        features, expected, unknown = self._forward.expect(scaled - self._offsets.values)
-        missed = seen - expected
-        self._offsets.learn(
-            self._forward.jacobian(scaled - self._offsets.values),
-            missed,
-            self._forward.variance + unknown,
-        )
-        self._forward.learn(features, missed)
+        self._forward.learn(*self._follow(scaled, seen))
         action = scaled - self._offsets.values
         if command is not None:
             self._range.learn(command / self._action_scale - self._offsets.values, action, seen)
         return action * self._action_scale
 
+    def follow_offsets(self, reading: FloatArray, outcome: FloatArray) -> None:
+        """Take from an example, shapes (m,) and (n,), only what readings are off by.
+
+        The robot may have been anywhere since the example before.
+        """
+        self.pause()
+        self._follow(reading / self._action_scale, outcome / self._outcome_scale)
+        self.pause()
+
     def pause(self) -> None:
         """Forget what the robot was about: the next example is taken as one at rest."""
         self._forward.pause()
         self._range.pause()
+
+    def _follow(self, scaled: FloatArray, seen: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Learn offsets; return features and miss of the example for the forward model."""
+        action = scaled - self._offsets.values
+        features, expected, unknown = self._forward.expect(action)
+        missed = seen - expected
+        variance = self._forward.variance + unknown
+        self._offsets.learn(self._forward.jacobian(action), missed, variance)
+        return features, missed
 
     def state(self) -> SavedState:
         """Return everything that `load` needs besides the config."""

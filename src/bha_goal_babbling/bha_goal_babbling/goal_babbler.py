@@ -186,8 +186,7 @@ class GoalBabbler:
         """
         if self._pending is None:
             raise WrongOrderError("tell was called without ask; call ask first")
-        action = vector("action", action, self._home_action.size)
-        outcome = vector("outcome", outcome, self._home_outcome.size)
+        action, outcome = self._example(action, outcome)
         outcome_step = outcome - self._knowledge.outcome
         miss = outcome - self._movements.target
         # Also across movements the last step is carried on, so that no example is lost.
@@ -223,9 +222,24 @@ class GoalBabbler:
         InvalidArrayError
             If a shape is wrong or a number is not finite.
         """
-        action = vector("action", action, self._home_action.size)
-        outcome = vector("outcome", outcome, self._home_outcome.size)
-        self._knowledge.learn(action, outcome, None, None)
+        self._knowledge.learn(*self._example(action, outcome), None, None)
+
+    def follow_offsets(self, action: ArrayLike, outcome: ArrayLike) -> None:
+        """Take from such an example what the sensors of the action are off by, and nothing else.
+
+        Without a body model there is nothing to take.
+
+        Parameters
+        ----------
+        action, outcome : array_like
+            As for `practise`.
+
+        Raises
+        ------
+        InvalidArrayError
+            If a shape is wrong or a number is not finite.
+        """
+        self._knowledge.follow_offsets(*self._example(action, outcome))
 
     def inverse(
         self,
@@ -309,6 +323,12 @@ class GoalBabbler:
         noise = self._noise.at((target - self._noise_origin) / self.config.outcome_scale)
         share = self._amplitude.share(self._movements.goal_error)
         return self._knowledge.solution(target, explores=True) + share * noise
+
+    def _example(self, action: ArrayLike, outcome: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        return (
+            vector("action", action, self._home_action.size),
+            vector("outcome", outcome, self._home_outcome.size),
+        )
 
     def _paths(self, goals: ArrayLike) -> TargetSource:
         config = self.config

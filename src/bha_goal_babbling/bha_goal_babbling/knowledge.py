@@ -76,6 +76,8 @@ class Knowledge:
         low, high : array, optional
             Lowest and highest readings that can be had now, shape (m,), if more is known of them
             than was learned.
+        explores : bool
+            Whether it is to find out: then the answer may lie where the body model knows little.
         """
         action = self._learned.predict(goal)
         if self._body is None:
@@ -129,6 +131,11 @@ class Knowledge:
             action, outcome, action - self.action, outcome - self.outcome, target_step
         )
         self.action, self.outcome = action, outcome
+
+    def follow_offsets(self, reading: FloatArray, outcome: FloatArray) -> None:
+        """Take from an example, shapes (m,) and (n,), only what readings are off by."""
+        if self._body is not None:
+            self._body.follow_offsets(reading, outcome)
 
     def pass_over(self, reading: FloatArray, outcome: FloatArray) -> None:
         """Take an example as the last one, shapes (m,) and (n,), without learning from it."""

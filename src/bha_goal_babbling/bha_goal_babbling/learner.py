@@ -99,7 +99,7 @@ class Learner:
 
     @property
     def practised(self) -> int:
-        """Number of examples learned from goals of others."""
+        """Number of examples taken from goals of others."""
         return self._practice.examples
 
     @property
@@ -297,8 +297,8 @@ class Learner:
         self.exploration_time += self.settings.command_period
 
     def _use(self, observation: Observation) -> None:
-        """Watch a robot that moves to goals of others, and learn from it when that is wanted."""
-        if self.settings.learn_in_use and self.babbler is not None and not self._stopped:
+        """Watch a robot that moves to goals of others, and learn from it what is wanted."""
+        if self.babbler is not None and not self._stopped:
             self._practice.see(self.babbler, observation)
         self._make_up_for_ends(observation.lengths)
         if self._reach is not None:

@@ -31,8 +31,11 @@ class LearnerSettings:
     reach_timeout: float = setting(
         20.0, "Time after which a movement to a goal ends in any case [s]", low=0.5, high=3600.0
     )
-    learn_in_use: bool = setting(
-        False, "Whether movements to goals that others send are learned from as well"
+    learn_in_use: str = setting(
+        "offsets",
+        "What movements to goals that others send teach: nothing, the offsets of the length "
+        "sensors, or everything, as exploration does",
+        choices=("nothing", "offsets", "everything"),
     )
     use_step: float = setting(
         0.01, "Motion of the tip between two examples of a robot in use [m]", low=1e-3

@@ -1,8 +1,11 @@
 """Learning goes on while the robot is used: examples out of movements to other people's goals.
 
 Every posture on the way is an example of lengths and the tip they bring, as good as one of
-exploration. A robot that stands still teaches nothing new: an example is learned when the tip has
+exploration. A robot that stands still teaches nothing new: an example is taken when the tip has
 moved on by a step, and one more when the movement has come to rest, where it is most exact.
+
+Sensors drift whether a robot explores or is used, so their offsets are followed as it comes; what
+else was learned changes only where that is asked for.
 """
 
 from __future__ import annotations
@@ -26,21 +29,22 @@ class Practice:
     task : Task
         Says which coordinates count.
     settings : LearnerSettings
-        `use_step`, and when the tip is at rest.
+        `learn_in_use`, `use_step`, and when the tip is at rest.
     """
 
     def __init__(self, task: Task, settings: LearnerSettings) -> None:
         self._task = task
+        self._lesson = settings.learn_in_use
         self._step = settings.use_step
         self._rest_distance = settings.rest_distance
         self._rest_periods = math.ceil(settings.rest_time / settings.command_period - 1e-9)
         self.examples = 0
-        """Number of examples learned."""
+        """Number of examples taken."""
         self.end()
 
     def begin(self) -> None:
         """Expect movement: a goal was set."""
-        self._moving = True
+        self._moving = self._lesson != "nothing"
         self._still = 0
 
     def end(self) -> None:
@@ -51,7 +55,7 @@ class Practice:
         self._anchor: FloatArray | None = None
 
     def see(self, babbler: GoalBabbler, observation: Observation) -> None:
-        """Let a babbler learn from lengths and tip of a command period, if they are worth it."""
+        """Let a babbler take lengths and tip of a command period, if they are worth it."""
         if not self._moving or observation.tip is None:
             return
         seen = np.concatenate([observation.lengths, observation.tip])
@@ -63,7 +67,10 @@ class Practice:
         if not (moved or rests):
             return
         if self._last is not None:  # the first one is where steps are counted from
-            babbler.practise(observation.lengths, outcome)
+            if self._lesson == "everything":
+                babbler.practise(observation.lengths, outcome)
+            else:
+                babbler.follow_offsets(observation.lengths, outcome)
             self.examples += 1
         self._last = outcome
         self._moving = not rests

@@ -12,7 +12,7 @@ from bha_goal_babbling.practice import Practice
 from bha_goal_babbling.task import find_task
 
 TASK = find_task("2d")
-SETTINGS = LearnerSettings(rest_time=1.0, command_period=0.5, learn_in_use=True)
+SETTINGS = LearnerSettings(rest_time=1.0, command_period=0.5, learn_in_use="everything")
 
 
 def babbler(seed: int = 0) -> GoalBabbler:
@@ -84,12 +84,15 @@ def test_exploration_goes_on_with_the_step_it_was_at() -> None:
     learns.tell(asked, [0.0, 0.0])
 
 
-@pytest.mark.parametrize("learns", [True, False])
-def test_the_learner_learns_in_use_if_it_is_told_so(learns: bool) -> None:
-    settings = LearnerSettings(learn_in_use=learns, command_period=0.5)
+@pytest.mark.parametrize("lesson", ["nothing", "offsets", "everything"])
+def test_the_learner_takes_from_use_what_it_is_told_to(lesson: str) -> None:
+    settings = LearnerSettings(learn_in_use=lesson, command_period=0.5)
     learner = Learner(settings, TASK, babbler())
     assert learner.babbler is not None
-    before = learner.babbler.inverse([0.2, 0.0])
+    for x in np.linspace(-0.1, 0.1, 20):  # a body that knows nothing tells nothing of offsets
+        learner.babbler.practise(seen(x, -x / 6.0).lengths, [x, 0.0])
+    learner.babbler.pause()
+    before = learner.babbler.state().arrays
     period = 500_000_000
     for tick in range(1, 40):
         if tick == 3:
@@ -100,5 +103,13 @@ def test_the_learner_learns_in_use_if_it_is_told_so(learns: bool) -> None:
         learner.see_lengths(tick * period, observation.lengths)
         learner.see_tip(tick * period, observation.tip)
         learner.update(tick * period)
-    assert (learner.practised >= 10) == learns
-    assert np.array_equal(learner.babbler.inverse([0.2, 0.0]), before) != learns
+    assert (learner.practised >= 10) == (lesson != "nothing")
+    after = learner.babbler.state().arrays
+    changed = {
+        name for name in before if not np.array_equal(before[name], after[name], equal_nan=True)
+    }
+    offsets = {"body_offsets_values", "body_offsets_covariance"}
+    if lesson == "everything":
+        assert changed > offsets
+    else:
+        assert changed == (offsets if lesson == "offsets" else set())
