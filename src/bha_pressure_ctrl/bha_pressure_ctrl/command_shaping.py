@@ -25,7 +25,7 @@ from bha_pressure_ctrl.bellows_memory import BellowsMemory
 Array = NDArray[np.float64]
 
 _FAR = 5e-3  # [m] beyond what is expected; from there on the robot was really elsewhere
-_SMOOTHING = (0.85, 0.15)  # shares of the smoothing time, each averaged over after the other
+_SMOOTHING = (0.75, 0.25)  # shares of the smoothing time, each averaged over after the other
 _FAR_TIME = 1.0  # [s] for which it must be there: steps are not foreseen to the millimetre
 
 
@@ -34,13 +34,13 @@ class ShapingSettings:
     """How commands are brought on."""
 
     smoothing_time: float = setting(
-        0.48,
+        0.5,
         "Time in which the step of a command is brought on [s]",
         low=0.0,
         high=10.0,
     )
     response_lag: float = setting(
-        0.08,
+        0.095,
         "Lag with which lengths are expected to follow what is asked for [s]",
         low=0.0,
         high=5.0,

@@ -7,9 +7,21 @@ pressures asked for and the identified lags. Derivatives of noisy lengths are no
 go through the same three lags of first order (state variable filters; Young, "Parameter estimation
 for continuous-time models - a survey", Automatica 17, 1981), and derivatives of what is filtered
 are differences between one lag and the next.
+
+Three alike bellows around the axis make a segment, so bending costs the same whichever way it goes.
+The bend of a segment is the complex number z = sqrt(2/3) sum_k l_k exp(2 pi i k / 3), and
+
+    M = Re(T H T'),   T the matrix of z, H Hermitian: one row and column a segment
+
+has 9 unknowns rather than 45, few enough to find what bending the light segments costs, too.
+
+Along its axis a trunk has next to no inertia. What the same fit finds for stretching is what the
+valves do beyond a lag of first order; that is no inertia, and bending shows it as well.
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +35,9 @@ Array = NDArray[np.float64]
 _FILTER_TIME = 0.1  # [s]
 _MOVING = 0.01  # [m/s] from which on a tick counts
 _LEAST_TICKS = 500  # ten seconds of motion; less tells nothing
-_SWINGS = 2  # a trunk swings in two directions; along itself it hardly does
+_AROUND = np.exp(2j * np.pi * np.arange(bellows.CHAMBERS) / bellows.CHAMBERS)[:, np.newaxis]
+_BENDS = np.kron(np.eye(bellows.SEGMENTS), np.sqrt(2.0 / bellows.CHAMBERS) * _AROUND)
+_STRETCHES = np.kron(np.eye(bellows.SEGMENTS), np.full_like(_AROUND.real, bellows.CHAMBERS**-0.5))
 
 
 def fit_inertia(
@@ -41,8 +55,8 @@ def fit_inertia(
 
     Returns
     -------
-    M [Pa s^2/m], shape (9, 9), symmetric, with no eigenvalue below 0 and two above; all 0 where
-    the record shows too little motion.
+    M [Pa s^2/m], shape (9, 9), symmetric, with no eigenvalue below 0; all 0 where the record shows
+    too little motion.
     """
     first = _lagged(lengths, period)
     second = _lagged(first, period)
@@ -55,12 +69,21 @@ def fit_inertia(
     moving = np.abs(speeds).max(axis=1) > _MOVING
     if np.count_nonzero(moving) < _LEAST_TICKS:
         return np.zeros((bellows.COUNT, bellows.COUNT))
-    known = np.hstack([accelerations, speeds, np.ones((len(lengths), 1))])[moving]
-    fitted = np.linalg.lstsq(known, left[moving], rcond=None)[0][: bellows.COUNT]
-    values, vectors = np.linalg.eigh(0.5 * (fitted + fitted.T))
-    values[:-_SWINGS] = 0.0
-    inertia: Array = (vectors * np.maximum(values, 0.0)) @ vectors.T
+    bending, stretching = (
+        _cost(left[moving] @ parts, accelerations[moving] @ parts, speeds[moving] @ parts)
+        for parts in (_BENDS, _STRETCHES)
+    )
+    values, vectors = np.linalg.eigh(0.5 * (bending + bending.conj().T))
+    values = np.maximum(values - stretching.diagonal().mean(), 0.0)
+    swings = _BENDS @ vectors
+    inertia: Array = ((swings * values) @ swings.conj().T).real
     return inertia
+
+
+def _cost(left: Any, accelerations: Any, speeds: Any) -> Any:
+    """Fit what accelerating a bend or stretch of each segment costs, shape (3, 3)."""
+    known = np.hstack([accelerations, speeds, np.ones((len(left), 1))])
+    return np.linalg.lstsq(known, left, rcond=None)[0][: bellows.SEGMENTS]
 
 
 def through_valves(asked: Array, dynamics: BellowsDynamics, period: float) -> Array:

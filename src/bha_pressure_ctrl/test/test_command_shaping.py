@@ -43,14 +43,14 @@ def test_without_lags_a_command_is_there_at_once() -> None:
 
 
 def test_a_step_becomes_a_rounded_ramp_that_ends() -> None:
-    """Of 17 and then 3 periods; lengths and pressures go the same way."""
+    """Of 15 and then 5 periods; lengths and pressures go the same way."""
     pressures, lengths = step(40, ShapingSettings(0.4, 0.0))
     ramp = (pressures - 4e4) / 2e4
     np.testing.assert_allclose((lengths - 0.2) / 0.02, ramp, atol=1e-12)
     np.testing.assert_allclose(ramp[18:], 1.0, rtol=1e-12)
     assert ramp[17] < 1.0
     assert (np.diff(ramp) > -1e-12).all()
-    assert np.diff(ramp).max() == pytest.approx(1.0 / 17.0)
+    assert np.diff(ramp).max() == pytest.approx(1.0 / 15.0)
 
 
 def test_what_the_inertia_costs_is_paid_while_it_is_accelerated() -> None:
