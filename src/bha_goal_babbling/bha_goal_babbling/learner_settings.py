@@ -16,7 +16,7 @@ class LearnerSettings:
         1, "Length commands that one step of exploration lasts", low=1, high=1000
     )
     observation_span: float = setting(
-        0.2, "Time over which lengths and tip are averaged for one observation [s]", low=1e-3
+        0.5, "Time over which lengths and tip are averaged for one observation [s]", low=1e-3
     )
     settling_time: float = setting(
         15.0, "Time for the way to where exploration begins [s]", low=0.0, high=600.0
