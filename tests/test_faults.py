@@ -133,6 +133,11 @@ def test_a_killed_simulator_comes_back_with_a_new_time(
             lambda name=name: "the robot's time has begun anew" in graph.log(name, 1000),
             f"{name} telling of it",
         )
+    # Feedback writes of the first tip of the new time, unless that is beyond the old one again.
+    graph.wait(
+        lambda: "is not newer" in graph.log("cartesian_feedback", 1000) or graph.now() > end,
+        "feedback seeing the new robot",
+    )
     # Nothing is brought back: the robot stays about where it is until there is a new goal.
     graph.wait(lambda: graph.client.status.mode == LearningStatus.IDLE, "idle")
     graph.wait_robot(3.0)
