@@ -34,16 +34,23 @@ class ShapingSettings:
     """How commands are brought on."""
 
     smoothing_time: float = setting(
-        0.5,
+        0.48,
         "Time in which the step of a command is brought on [s]",
         low=0.0,
         high=10.0,
     )
     response_lag: float = setting(
-        0.095,
+        0.08,
         "Lag with which lengths are expected to follow what is asked for [s]",
         low=0.0,
         high=5.0,
+    )
+    shortfall: float = setting(
+        3e-4,
+        "Distance by which lengths are to fall short of a new command at first, made up for over "
+        "the second after [m]",
+        low=0.0,
+        high=0.01,
     )
 
     def __post_init__(self) -> None:

@@ -14,6 +14,9 @@ from bha_pressure_ctrl.equilibrium_model import EquilibriumModel
 
 Array = NDArray[np.float64]
 
+_SHORT_SHARE = 0.1  # of the way to a new command, up to the shortfall: none where it moves slowly
+_SHORT_TIME = 1.0  # [s]
+
 
 @dataclass(frozen=True)
 class LengthControllerSettings:
@@ -49,6 +52,10 @@ class LengthController:
     it, so less of it is carried to the next command the further away that is. Where a pressure is
     at an end of its range and the error would push it further, its integral stands still.
 
+    What the feed-forward does not know of a step lets single bellows go too far or not far enough
+    alike. A command is therefore approached from where it comes from: the lengths asked for fall
+    short of it by `ShapingSettings.shortfall` at first.
+
     Near the command the model slowly takes over what the integral holds, for all postures: it ages
     with the robot.
 
@@ -81,6 +88,7 @@ class LengthController:
         self._take_over = 0.0
         if settings.adaptation_time > 0.0:
             self._take_over = -float(np.expm1(-period / settings.adaptation_time))
+        self._short_decay = float(np.exp(-period / _SHORT_TIME))
         self._learned = np.zeros(bellows.COUNT)
         self.reset()
 
@@ -93,7 +101,9 @@ class LengthController:
         """Forget the integral and the command; what the model has taken over stays."""
         self._integral = np.zeros(bellows.COUNT)
         self._command: Array | None = None
-        self._target = np.zeros(2 * bellows.COUNT)
+        self._short = np.zeros(bellows.COUNT)  # of the command at first [m]
+        self._short_share = 0.0  # of that, by now
+        self._targets = np.zeros((2, 2 * bellows.COUNT))
         self._shaping: CommandShaping | None = None
 
     def update(self, command: Array, lengths: Array) -> Array:
@@ -110,10 +120,8 @@ class LengthController:
         """
         if command is not self._command:
             self._carry_to(command)
+            self._fall_short_of(command)
             self._command = command
-            # As the model would answer that is saved now; apart only beyond the ends of the range.
-            pressures = self.model.pressures(command) - self._learned
-            self._target = np.concatenate([command, pressures])
         if self._shaping is None:
             self._shaping = CommandShaping(
                 self._how,
@@ -123,9 +131,10 @@ class LengthController:
                 pressures=self.model.pressures(lengths) - self._learned,
             )
         known = self._learned + self._integral
-        shaped, expected = self._shaping.update(
-            self._target, lengths, -known, self._max_pressure - known
-        )
+        there, short = self._targets
+        target = there + self._short_share * (short - there)
+        self._short_share *= self._short_decay
+        shaped, expected = self._shaping.update(target, lengths, -known, self._max_pressure - known)
         error = expected - lengths
         integral = self._integral + (self._settings.integral_gain * self._period) * error
         wanted = shaped + self._learned + self._settings.proportional_gain * error + integral
@@ -141,6 +150,17 @@ class LengthController:
         if self._command is not None and self._settings.carry_distance > 0.0:
             distance = float(np.linalg.norm(command - self._command))
             self._integral = self._integral * np.exp(-distance / self._settings.carry_distance)
+
+    def _fall_short_of(self, command: Array) -> None:
+        """Set out for a command, and for the lengths a little before it."""
+        way = 0.0 if self._command is None else command - self._command
+        most = self._how.shortfall
+        short = self._short_share * self._short + _SHORT_SHARE * way
+        self._short = np.minimum(np.maximum(short, -most), most)
+        self._short_share = 1.0
+        lengths = np.stack([command, command - self._short])
+        # As the model would answer that is saved now; apart only beyond the ends of the range.
+        self._targets = np.hstack([lengths, self.model.pressures(lengths) - self._learned])
 
     def _adapt(self, settled: NDArray[np.bool_]) -> None:
         """Let the model take over a little of the integral; their sum stays as it is."""

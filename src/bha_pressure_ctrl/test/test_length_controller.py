@@ -270,3 +270,36 @@ def test_does_not_change_what_it_is_given() -> None:
 def test_gains_out_of_range(wrong: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=next(iter(wrong))):
         LengthControllerSettings(**wrong)
+
+
+NO_FEEDBACK = {"proportional_gain": 0.0, "integral_gain": 0.0}
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_command_is_approached_from_where_it_comes_from(side: float) -> None:
+    """Pressures and expected lengths alike; where nothing was to go, nothing falls short."""
+    way = side * np.linspace(0.0, 0.03, 9)
+    control = controller(ShapingSettings(0.2, response_lag=0.0, shortfall=1e-3), **NO_FEEDBACK)
+    at_once = Plant(lag=1e-6)
+    run(control, at_once, MIDDLE, 1.0)
+    lengths = run(control, at_once, MIDDLE + way, 8.0)
+    short = side * (MIDDLE + way - lengths)
+    assert short[15, 0] == pytest.approx(0.0, abs=1e-9)
+    assert 0.6e-3 < short[15, -1] < 0.9e-3
+    assert (short[15:] > -1e-5).all()
+    np.testing.assert_allclose(short[-1], 0.0, atol=1e-5)
+
+
+def test_commands_that_move_slowly_are_hardly_fallen_short_of() -> None:
+    """And those that go to and fro by no more than the shortfall."""
+    control = controller(ShapingSettings(0.0, response_lag=0.0, shortfall=1e-3), **NO_FEEDBACK)
+    at_once = Plant(lag=1e-6)
+    run(control, at_once, MIDDLE, 1.0)
+    for tick in range(1, 200):
+        command = MIDDLE + 5e-3 * PERIOD * tick
+        lengths = run(control, at_once, command, PERIOD)
+    assert 0.1e-3 < (command - lengths[-1]).max() < 0.6e-3
+    for sign in (-1.0, 1.0) * 10:
+        command = MIDDLE + sign * 0.02
+        lengths = run(control, at_once, command, PERIOD)
+    assert np.abs(command - lengths[-1]).max() <= 1e-3 + 1e-9
