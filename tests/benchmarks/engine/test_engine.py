@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -207,8 +208,13 @@ def test_ctrl_c_keeps_what_was_made(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "benchmarks", "linear", "--jobs", "1", "--out", str(tmp_path)]
     runs = tmp_path / ".runs" / "linear.jsonl"
     process = subprocess.Popen(
-        command, cwd=ROOT, stdout=subprocess.PIPE, text=True, env=os.environ | {"TERM": "dumb"}
-    )
+        command,
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"TERM": "dumb"},
+        preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),
+    )  # a shell lets what it runs in the background, such as these tests, ignore Ctrl-C
     deadline = time.monotonic() + 120
     while not runs.exists() and process.poll() is None and time.monotonic() < deadline:
         time.sleep(0.05)
