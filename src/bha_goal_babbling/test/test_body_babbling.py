@@ -83,6 +83,19 @@ def error_of(seed: int, settings: dict[str, object], **robot: float) -> float:
     return float(np.mean(errors))
 
 
+def test_exploration_goes_where_an_answer_in_use_would_not() -> None:
+    """What the body model does not know holds answers back, and exploration is to find it out."""
+    arm = SlippingArm(0)
+    quiet = {**BODY, "noise_spread": 1e-9, "noise_step": 1e-9, "home_probability": 0.0}
+    babbler = learner(arm, 0, quiet)
+    rng, away = np.random.default_rng(0), []
+    for _ in range(200):
+        asked = babbler.ask()
+        away.append(np.abs(asked - babbler.inverse(babbler.target)).max())
+        babbler.tell(*arm.execute(asked + 0.1 * rng.standard_normal(5)))
+    assert np.median(away[20:]) > 1e-3
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_sensors_that_wander_are_seen_through(seed: int) -> None:
     """About 4 mm are left of 20 to 60: neither the inverse nor the forward model alone does it."""
