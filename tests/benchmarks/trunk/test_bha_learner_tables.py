@@ -140,6 +140,29 @@ def test_what_is_not_rediscovered_breaks_its_bound() -> None:
     assert summary.rows[0]["frozen, at the end [mm]"] == pytest.approx(50.0)
 
 
+def test_use_that_teaches_nothing_useful_breaks_its_bound() -> None:
+    errors = {"nothing": 0.010, "offsets": 0.009, "everything": 0.0079}
+
+    def runs(**changes: float) -> list[Run]:
+        size = {"learned": 30.0, "blocks": 6, "block": 25}
+        return [
+            Run(
+                1000,
+                {"case": settings["case"], "learns": settings["learns"], **size},
+                {
+                    "errors [m]": [0.02] * 5 + [(errors | changes)[settings["learns"]]],
+                    "minutes": [30.0],
+                    "examples": 600,
+                },
+            )
+            for settings in bha_use.EXPERIMENT.plan(False)
+        ]
+
+    assert held(bha_use.EXPERIMENT, runs()) == [True] * 4
+    assert held(bha_use.EXPERIMENT, runs(everything=0.0081)) == [True, False, True, True]
+    assert held(bha_use.EXPERIMENT, runs(offsets=0.0101)) == [True, True, False, False]
+
+
 def corner(**changes: float) -> dict[str, Any]:
     movement = {"feed-forward [m]": 0.01, "at the end [m]": 0.002, "swing [m]": 0.002}
     return {**bha_feedback.CORNERS[0], **movement, **changes}
