@@ -41,6 +41,11 @@ class SaggRiacPaths:
         """Last known error of the goal under way; every goal is a new one, so it is unknown."""
         return np.inf
 
+    @property
+    def resting(self) -> bool:
+        """Never: one movement follows the other."""
+        return False
+
     def begin(
         self, target: FloatArray, outcome: FloatArray, rng: np.random.Generator
     ) -> FloatArray:

@@ -72,6 +72,10 @@ class GoalBabblerConfig:
     stay_steps : int
         Steps for which a goal stays the target after a path has come to it, so that a robot which
         lags behind gets there.
+    rest_steps : int
+        As many steps for a goal that was met before; it is rested at without noise.
+    rest_error : float
+        Last error of a goal below which it counts as met [outcome unit]; 0 rests at none.
     noise_per_error : float or None
         Amplitude of the noise per last error of the goal [action unit per outcome unit], not above
         `noise_spread`; None for `noise_spread` always.
@@ -123,6 +127,8 @@ class GoalBabblerConfig:
     goal_candidates: int = 1
     abort_distance: float | None = None
     stay_steps: int = 0
+    rest_steps: int = 0
+    rest_error: float = 0.0
     noise_per_error: float | None = None
     noise_floor: float = 0.0
     final_map_distance: float | None = None
@@ -165,6 +171,7 @@ class GoalBabblerConfig:
             "process_noise",
             "blend_samples",
             "offset_spread",
+            "rest_error",
         ):
             self._check_number(name, lambda value: value >= 0, "0 or above")
         self._check_number("home_probability", lambda value: 0 <= value <= 1, "in 0 to 1")
@@ -180,9 +187,12 @@ class GoalBabblerConfig:
             value = getattr(self, name)
             if not isinstance(value, int) or isinstance(value, bool) or value < 1:
                 raise InvalidConfigError(f"{name} must be a whole number above 0, got {value!r}")
-        stay = self.stay_steps
-        if not isinstance(stay, int) or isinstance(stay, bool) or stay < 0:
-            raise InvalidConfigError(f"stay_steps must be a whole number, 0 or above, got {stay!r}")
+        for name in ("stay_steps", "rest_steps"):
+            value = getattr(self, name)
+            if not isinstance(value, int) or isinstance(value, bool) or value < 0:
+                raise InvalidConfigError(
+                    f"{name} must be a whole number, 0 or above, got {value!r}"
+                )
         for name, choices in (
             ("noise_origin", NOISE_ORIGINS),
             ("direction", DIRECTIONS),
@@ -202,6 +212,7 @@ class GoalBabblerConfig:
             self.goal_candidates > 1
             or self.abort_distance is not None
             or self.stay_steps > 0
+            or self.rest_error > 0
             or self.noise_per_error is not None
         )
 

@@ -9,7 +9,7 @@ from bha_goal_babbling.goal_babbler import GoalBabbler
 from bha_goal_babbling.saved_state import SavedState
 
 KIND = "goal babbling checkpoint"
-VERSION = 2
+VERSION = 3
 
 
 @dataclass(frozen=True)

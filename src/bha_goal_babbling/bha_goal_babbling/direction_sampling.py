@@ -67,6 +67,11 @@ class DirectionTargets:
         """Infinite: no account is kept of errors."""
         return math.inf
 
+    @property
+    def resting(self) -> bool:
+        """Never: one movement follows the other."""
+        return False
+
     def advance(self, outcome_step: FloatArray, outcome: FloatArray | None = None) -> bool:
         """Go on in the same direction and return whether the outcome moved against it."""
         if float(self._advance.dot(outcome_step)) < 0.0:

@@ -317,11 +317,12 @@ class GoalBabbler:
         return babbler
 
     def _explored_action(self) -> FloatArray:
-        """Return g(x*) + E(x*), shape (m,), equation 3."""
+        """Return g(x*) + E(x*), shape (m,), equation 3; without noise where the robot rests."""
         target = self._movements.target
         self._noise.advance(self._rng)
         noise = self._noise.at((target - self._noise_origin) / self.config.outcome_scale)
-        share = self._amplitude.share(self._movements.goal_error)
+        moves = self._movements
+        share = 0.0 if moves.resting else self._amplitude.share(moves.goal_error)
         return self._knowledge.solution(target, explores=True) + share * noise
 
     def _example(self, action: ArrayLike, outcome: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -341,4 +342,6 @@ class GoalBabbler:
             config.goal_candidates,
             config.abort_distance,
             config.stay_steps,
+            config.rest_steps,
+            config.rest_error,
         )

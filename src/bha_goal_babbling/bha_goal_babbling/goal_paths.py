@@ -51,6 +51,11 @@ class GoalPaths:
         """Last known error of the goal under way, in the unit of outcomes; inf when unknown."""
         return self._choice.last_error(self._choice.last)
 
+    @property
+    def resting(self) -> bool:
+        """Never: one movement follows the other."""
+        return False
+
     def begin(
         self, target: FloatArray, outcome: FloatArray, rng: np.random.Generator
     ) -> FloatArray:

@@ -2,6 +2,8 @@
 
 A path that has gone astray teaches little more: it is given up, and the next one starts at what
 was observed. The error of every goal is remembered, and goals that were missed come more often.
+A goal that was met before is rested at. What a robot on its way shows is not all that it does at
+rest: it swings, and its cables with it, while at rest friction and weight hold them to one side.
 """
 
 import numpy as np
@@ -34,6 +36,10 @@ class MonitoredGoalPaths:
     stay : int
         Number of steps for which a goal stays the target after a path has come to it: a robot
         that lags behind gets there, and its error is told of the goal itself.
+    rest : int
+        As many steps for a goal that was met before.
+    rest_error : float
+        Last error of a goal below which it counts as met, in the unit of outcomes; 0 rests at none.
     """
 
     kind = "monitored_goal_paths"
@@ -46,18 +52,26 @@ class MonitoredGoalPaths:
         candidates: int = 3,
         abort_distance: float | None = None,
         stay: int = 0,
+        rest: int = 0,
+        rest_error: float = 0.0,
     ) -> None:
         self._goals = matrix("goals", goals)
         if len(self._goals) < 2:
             raise InvalidConfigError(f"the goal set must hold at least 2 goals, got {self._goals}")
         if abort_distance is not None and not abort_distance > 0:
             raise InvalidConfigError(f"abort_distance must be above 0 or None: {abort_distance}")
+        if stay < 0 or rest < 0 or not rest_error >= 0:
+            raise InvalidConfigError(
+                "stay, rest and rest_error must not be negative, "
+                f"got {stay}, {rest} and {rest_error}"
+            )
         home = vector("home_outcome", home_outcome, self.size)
         self._errors: FloatArray = np.linalg.norm(self._goals - home, axis=1)
         self._choice = LargestErrorChoice(candidates)
         self._candidates = candidates
         self._abort_distance = abort_distance
-        self._walk = StraightWalk(self.size, steps, stay)
+        self._stay, self._rest, self._rest_error = stay, rest, rest_error
+        self._walk = StraightWalk(self.size, steps)
         self._aborted = False
 
     @property
@@ -80,12 +94,18 @@ class MonitoredGoalPaths:
         """Last error of the goal under way, in the unit of outcomes."""
         return float(self._errors[self._choice.last])
 
+    @property
+    def resting(self) -> bool:
+        """Whether the present step is one of rest at a goal that was met before."""
+        return self._walk.stays and self._met
+
     def begin(
         self, target: FloatArray, outcome: FloatArray, rng: np.random.Generator
     ) -> FloatArray:
         """Start a line to a goal, from the last target or, after giving up, the last outcome."""
         start = outcome if self._aborted else target
-        self._walk.begin(start, self._goals[self._choice.choose(self._errors, rng)])
+        goal = self._goals[self._choice.choose(self._errors, rng)]
+        self._walk.begin(start, goal, self._rest if self._met else self._stay)
         self._aborted = False
         return start
 
@@ -112,6 +132,9 @@ class MonitoredGoalPaths:
         settings = {
             "candidates": self._candidates,
             "abort_distance": self._abort_distance,
+            "stay": self._stay,
+            "rest": self._rest,
+            "rest_error": self._rest_error,
             "last_goal": self._choice.last,
             "aborted": self._aborted,
         }
@@ -128,6 +151,9 @@ class MonitoredGoalPaths:
             goals[0],
             int(settings["candidates"]),
             settings["abort_distance"],
+            int(settings["stay"]),
+            int(settings["rest"]),
+            float(settings["rest_error"]),
         )
         paths._errors = vector("errors", arrays["errors"], len(goals))
         last = int(settings["last_goal"])
@@ -137,3 +163,8 @@ class MonitoredGoalPaths:
         paths._choice = LargestErrorChoice(paths._candidates, last)
         paths._aborted = bool(settings["aborted"])
         return paths
+
+    @property
+    def _met(self) -> bool:
+        """Whether the goal under way was met before; it is known anew only when it is over."""
+        return self.goal_error < self._rest_error

@@ -73,6 +73,11 @@ class Movements:
         return self._targets.goal_error
 
     @property
+    def resting(self) -> bool:
+        """Whether the robot is to rest at a goal in the present step."""
+        return not self.going_home and self._targets.resting
+
+    @property
     def home_step(self) -> FloatArray:
         """Action of the present step of a movement home, shape (m,)."""
         action: FloatArray = self._home_path[0]

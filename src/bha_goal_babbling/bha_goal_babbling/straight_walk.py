@@ -40,26 +40,26 @@ class StraightWalk:
     size : int
         Number n of coordinates of a point.
     steps : int
-        Number L of steps of a movement, at least 1.
-    stay : int
-        Number of further steps for which its goal stays the target.
+        Number L of steps from one goal to the next, at least 1.
     """
 
-    def __init__(self, size: int, steps: int, stay: int = 0) -> None:
+    def __init__(self, size: int, steps: int) -> None:
         if steps < 1:
             raise InvalidConfigError(f"a movement needs at least 1 step, got {steps}")
-        if stay < 0:
-            raise InvalidConfigError(f"a movement cannot stay for {stay} steps")
         self._steps = steps
-        self._stay = stay
         self._path = np.empty((0, size))
         self._next = 0
 
-    def begin(self, start: FloatArray, goal: FloatArray) -> None:
-        """Walk from a point to a goal, shapes (n,)."""
+    def begin(self, start: FloatArray, goal: FloatArray, stay: int = 0) -> None:
+        """Walk from a point to a goal, shapes (n,), which stays the target for some more steps."""
         line = straight_line(start, goal, self._steps)
-        self._path = np.vstack([line, np.tile(line[-1], (self._stay, 1))])
+        self._path = np.vstack([line, np.tile(line[-1], (stay, 1))])
         self._next = 0
+
+    @property
+    def stays(self) -> bool:
+        """Whether the present step is one for which the goal stays the target."""
+        return self._next >= self._steps
 
     @property
     def target(self) -> FloatArray:
@@ -84,18 +84,13 @@ class StraightWalk:
         """Return the snapshot of what walks: its own arrays and settings and, in them, the walk."""
         return SavedState(
             {**arrays, "path": self._path.copy()},
-            {
-                **(settings or {}),
-                "steps": self._steps,
-                "stay": self._stay,
-                "next": self._next,
-            },
+            {**(settings or {}), "steps": self._steps, "next": self._next},
         )
 
     @classmethod
     def restored_from(cls, state: SavedState, size: int) -> "StraightWalk":
         """Return the walk that `saved_in` has put into a snapshot."""
-        walk = cls(size, int(state.settings["steps"]), int(state.settings["stay"]))
+        walk = cls(size, int(state.settings["steps"]))
         walk._path = matrix_or_empty("path", state.arrays["path"], size)
         walk._next = int(state.settings["next"])
         if not 0 <= walk._next <= len(walk._path):

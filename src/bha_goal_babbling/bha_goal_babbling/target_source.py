@@ -48,6 +48,11 @@ class TargetSource(Protocol):
         """Last known error of the goal under way, in the unit of outcomes; inf when unknown."""
         ...
 
+    @property
+    def resting(self) -> bool:
+        """Whether the robot is to rest at the goal in the present step, to show what comes then."""
+        ...
+
     def advance(self, outcome_step: FloatArray, outcome: FloatArray | None = None) -> bool:
         """Go on to the next step and return whether there is none, the movement being over.
 

@@ -146,6 +146,7 @@ def test_refuses_what_does_not_fit_together() -> None:
         {"goal_candidates": 3},
         {"abort_distance": 0.1},
         {"stay_steps": 1},
+        {"rest_error": 0.1},
         {"noise_per_error": 0.3},
         {"forward_model": "polynomial"},
     ],

@@ -49,9 +49,30 @@ def test_it_may_stay_at_its_goal() -> None:
     source.begin(HOME, HOME, np.random.default_rng(0))
     misses = np.linspace(0.8, 0.1, 8)
     for number, miss in enumerate(misses):
+        assert not source.resting
         over = source.advance(STILL, source.target() + np.array([0.0, miss]))
         assert over == (number == 7)
     assert source.goal_error == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize(("miss", "steps"), [(0.3 - 1e-9, 5 + 4), (0.3 + 1e-9, 5 + 2)])
+def test_it_rests_at_goals_that_were_met(miss: float, steps: int) -> None:
+    """By the error of the time before, not by that of this time; on the way there is no rest."""
+    goals = GOALS[[0, 0]]
+    source = MonitoredGoalPaths(goals, 5, HOME, 2, None, stay=2, rest=4, rest_error=0.3)
+    rng = np.random.default_rng(0)
+    for _ in goals:  # with the larger error first, each comes once
+        source.begin(HOME, HOME, rng)
+        while True:
+            assert not source.resting
+            if source.advance(STILL, source.target() + np.array([0.0, miss])):
+                break
+    source.begin(HOME, HOME, rng)
+    rests = [source.resting]
+    while not source.advance(STILL, source.target() + np.array([0.0, 0.6 - miss])):
+        rests.append(source.resting)
+    assert len(rests) == steps
+    assert rests == [False] * 5 + [steps == 9] * (steps - 5)
 
 
 @pytest.mark.parametrize(("miss", "steps"), [(0.5 - 1e-9, 5), (0.5 + 1e-9, 1)])
@@ -108,7 +129,8 @@ def test_what_is_missed_comes_more_often() -> None:
 @pytest.mark.parametrize("aborted", [False, True])
 def test_restored_paths_go_on(aborted: bool) -> None:
     """Errors, position, and whether the last path was given up, are in the snapshot."""
-    source, rng = paths(3), np.random.default_rng(1)
+    source = MonitoredGoalPaths(GOALS, 5, HOME, 3, 0.5, stay=1, rest=3, rest_error=0.2)
+    rng = np.random.default_rng(1)
     source.begin(HOME, HOME, rng)
     if aborted:
         finish(source, 0.9)
@@ -120,6 +142,7 @@ def test_restored_paths_go_on(aborted: bool) -> None:
         over = aborted and number == 0
         if not over:
             np.testing.assert_array_equal(twin.target(), source.target())
+            assert twin.resting == source.resting
             outcome = source.target() + np.array([0.01 * number, 0.0])
             over = source.advance(STILL, outcome)
             assert twin.advance(STILL, outcome) == over
@@ -132,7 +155,17 @@ def test_restored_paths_go_on(aborted: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"candidates": 0}, {"abort_distance": 0.0}, {"steps": 0}, {"goals": GOALS[:1]}]
+    "wrong",
+    [
+        {"candidates": 0},
+        {"abort_distance": 0.0},
+        {"steps": 0},
+        {"goals": GOALS[:1]},
+        {"stay": -1},
+        {"rest": -1},
+        {"rest_error": -0.1},
+        {"rest_error": np.nan},
+    ],
 )
 def test_refuses_settings_out_of_range(wrong: dict) -> None:
     with pytest.raises(InvalidConfigError, match=r"must|at least|needs"):

@@ -40,17 +40,13 @@ def test_a_walk_takes_the_points_of_the_line() -> None:
 
 
 def test_a_walk_may_stay_at_its_goal() -> None:
-    walk = StraightWalk(3, 4, stay=2)
-    walk.begin(np.zeros(3), np.ones(3))
+    walk = StraightWalk(3, 4)
+    walk.begin(np.zeros(3), np.ones(3), stay=2)
     line = straight_line(np.zeros(3), np.ones(3), 4)
     for number, point in enumerate([*line, line[-1], line[-1]]):
         np.testing.assert_array_equal(walk.target, point)
+        assert walk.stays == (number > 3)
         assert walk.advance() == (number == 5)
-
-
-def test_a_walk_cannot_stay_for_less_than_nothing() -> None:
-    with pytest.raises(InvalidConfigError, match="cannot stay for -1"):
-        StraightWalk(3, 1, stay=-1)
 
 
 def test_a_walk_needs_a_step() -> None:
@@ -61,9 +57,9 @@ def test_a_walk_needs_a_step() -> None:
 @given(points, points, st.integers(0, 4))
 def test_a_restored_walk_goes_on(start: np.ndarray, goal: np.ndarray, taken: int) -> None:
     """Beside what its owner has saved; before the first movement as well."""
-    walk = StraightWalk(3, 5, stay=2)
+    walk = StraightWalk(3, 5)
     if taken:
-        walk.begin(start, goal)
+        walk.begin(start, goal, stay=2)
         for _ in range(taken):
             walk.advance()
     state = walk.saved_in({"mine": start}, {"also": 1})
