@@ -161,6 +161,22 @@ def test_a_sample_that_did_not_move_is_not_learned() -> None:
     np.testing.assert_array_equal(babbler.inverse([0.5, 0.5]), home)
 
 
+def test_rests_without_noise() -> None:
+    """Where a goal that was met stays the target, the inverse model's own answer is executed."""
+    config = GoalBabblerConfig.rls(rest_steps=4, rest_error=0.05, home_probability=0.0)
+    arm, babbler = arm_babbler(config=config)
+    target, rests = babbler.target, 0
+    for _ in range(1000):
+        action = babbler.ask()
+        own = babbler.inverse(babbler.target)
+        resting = np.array_equal(babbler.target, target)
+        assert np.array_equal(action, own) == resting
+        rests += resting
+        target = babbler.target
+        babbler.tell(action, arm.forward(action))
+    assert rests > 100
+
+
 def test_returns_home() -> None:
     """Movements home end at the home action, and g keeps the way there."""
     arm, babbler = arm_babbler()
