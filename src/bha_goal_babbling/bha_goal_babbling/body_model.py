@@ -21,7 +21,7 @@ from bha_goal_babbling.sensor_offsets import SensorOffsets
 
 _MARGIN = 0.027
 """How far a reading lies beyond what was commanded when it is stuck, in scaled units."""
-_REACH = 0.4
+_REACH = 0.6
 """How far an answer of the inverse model is moved at most beyond its range, in scaled units."""
 
 
