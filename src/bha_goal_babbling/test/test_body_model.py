@@ -91,10 +91,10 @@ def test_refines_to_the_goal() -> None:
 
 
 def test_moves_an_answer_by_its_reach_at_most() -> None:
-    """0.4 of the scale of actions."""
+    """0.6 of the scale of actions."""
     model = taught(NO_OFFSETS)
-    away = model.refine(HOME, TIP + np.array([-0.4, 0.4])) - HOME
-    assert np.linalg.norm(away) == pytest.approx(0.4 * CONFIG.action_scale)
+    away = model.refine(HOME, TIP + np.array([-0.8, 0.8])) - HOME
+    assert np.linalg.norm(away) == pytest.approx(0.6 * CONFIG.action_scale)
 
 
 @pytest.mark.parametrize(("action_unit", "outcome_unit"), [(1024.0, 1.0), (1.0, 0.125), (0.25, 8)])
