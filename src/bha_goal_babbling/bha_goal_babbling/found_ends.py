@@ -17,6 +17,8 @@ Bellows that vent sink for seconds, ever slower, and are still many millimetres 
 a step of theirs has become small."""
 _NEAR = 0.1
 """How far from the goal on whose way they were found ends still count [m]."""
+_CORRECTED = 0.01
+"""How far from its goal a target is whose feedback has made up for an end by itself [m]."""
 
 
 class FoundEnds:
@@ -26,6 +28,10 @@ class FoundEnds:
     end that learning has not found yet, or one that moved since. The others can make up for it,
     see `GoalBabbler.inverse`. Lengths and commands tell it alone, so the movement stays
     feed-forward: nothing is corrected by the tip.
+
+    Where feedback has moved the target by more than a little, it has made up for such an end by
+    itself. Then the end is taken to be where the command is, not where the length is: what is
+    commanded does not jump, and the others do what is still to come.
 
     A robot of which more than half of the lengths stay short is not at its ends, it is not driven:
     then all ends are given up until at least half of the lengths are where they should be.
@@ -40,6 +46,7 @@ class FoundEnds:
         self._watch = StuckWatch(size, _MARGIN)
         self._trail: deque[FloatArray] = deque(maxlen=_TRAIL)
         self._goal: FloatArray | None = None
+        self._corrected = False
         self.given_up = False
         self.low: FloatArray = np.full(size, -np.inf)
         self.high: FloatArray = np.full(size, np.inf)
@@ -53,9 +60,10 @@ class FoundEnds:
             short = np.abs(lengths - command) > _MARGIN
             self.given_up = bool(2 * np.count_nonzero(short) > short.size)
             return False
+        ends = command if self._corrected else lengths
         # A length that went further has shown that the end is not there.
-        self.low = np.where(at_low, lengths, np.minimum(self.low, lengths))
-        self.high = np.where(at_high, lengths, np.maximum(self.high, lengths))
+        self.low = np.where(at_low, ends, np.minimum(self.low, lengths))
+        self.high = np.where(at_high, ends, np.maximum(self.high, lengths))
         known = np.isfinite(self.low) | np.isfinite(self.high)
         if 2 * np.count_nonzero(known) > known.size:
             self._forget()
@@ -65,6 +73,7 @@ class FoundEnds:
     def begin(self, goal: FloatArray) -> None:
         """Forget what was found: the robot is to go to a goal (n,) [m]."""
         self._goal = goal
+        self._corrected = False
         self._watch.pause()
         self._trail.clear()
         self._forget()
@@ -72,8 +81,11 @@ class FoundEnds:
 
     def follow(self, goal: FloatArray) -> None:
         """Keep what was found if a goal (n,) [m] is near the one at which it began."""
-        if self._goal is None or np.linalg.norm(goal - self._goal) > _NEAR:
+        moved = np.inf if self._goal is None else float(np.linalg.norm(goal - self._goal))
+        if moved > _NEAR:
             self.begin(goal)
+        else:
+            self._corrected = moved > _CORRECTED
 
     def _coming(self, command: FloatArray, lengths: FloatArray) -> BoolArray:
         """Tell which lengths would come to their commands at the speed that they have."""

@@ -70,6 +70,22 @@ def test_they_count_near_the_goal_and_are_forgotten_elsewhere() -> None:
     np.testing.assert_array_equal(known(ends), NOTHING)
 
 
+def test_what_feedback_has_made_up_for_does_not_jump() -> None:
+    """Once the target has moved by more than 1 cm an end is where the command is."""
+    for moved, low, high in ((0.009, 0.12, 0.28), (0.011, COMMAND[2], COMMAND[1])):
+        ends = FoundEnds(5)
+        ends.begin(GOAL)
+        ends.follow(GOAL + np.array([moved, 0.0]))
+        for _ in range(10):
+            ends.see(COMMAND, np.array([0.201, 0.28, 0.12, *REST]))
+        assert (ends.low[2], ends.high[1]) == (low, high)
+    # The way to the next goal is feed-forward again.
+    ends.begin(GOAL)
+    for _ in range(10):
+        ends.see(COMMAND, np.array([0.201, 0.28, 0.12, *REST]))
+    assert (ends.low[2], ends.high[1]) == (0.12, 0.28)
+
+
 def test_a_new_goal_begins_anew() -> None:
     """What was commanded for the one before is forgotten, too."""
     ends = found_at(0.20, 0.28, 0.10)
