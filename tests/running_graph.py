@@ -356,10 +356,15 @@ class RunningGraph:
             os.kill(process, signal.SIGCONT)
 
     def restart(self, name: str) -> None:
-        """Start a node again that has ended, and wait until it speaks."""
+        """Start a node again that has ended, and wait until it speaks.
+
+        `values` are those of the new one then, and not what the old one has left.
+        """
         self.processes.start(name)
         self.processes.may_end.discard(name)
         self.fresh(name)
+        self.client.diagnostics.pop(name, None)
+        self.wait(lambda: name in self.client.diagnostics, f"diagnostics of the new {name}")
 
     def log(self, name: str, lines: int = 15) -> str:
         """The tail of a node's log."""
