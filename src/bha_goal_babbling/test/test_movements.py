@@ -6,6 +6,7 @@ import pytest
 from bha_goal_babbling.direction_sampling import DirectionTargets
 from bha_goal_babbling.errors import InvalidConfigError
 from bha_goal_babbling.goal_paths import GoalPaths
+from bha_goal_babbling.monitored_paths import MonitoredGoalPaths
 from bha_goal_babbling.movements import Movements, restored_targets
 
 GOALS = np.array([[0.5, 0.0], [0.0, 0.5], [0.5, 0.5]])
@@ -41,6 +42,18 @@ def test_home_probability() -> None:
     assert np.mean(run(plan, 6000)) == pytest.approx(0.2 / 1.2, abs=0.015)
     assert plan.count == 6000
     assert not any(run(movements(0.0), 200))
+
+
+def test_rests_at_goals_and_not_on_the_way_home() -> None:
+    """Every goal counts as met: four steps there, then two of rest, then home."""
+    paths = MonitoredGoalPaths(GOALS, 4, HOME_OUTCOME, rest=2, rest_error=9.0)
+    plan, rng = Movements(paths, HOME_ACTION, HOME_OUTCOME, 1.0, 3), np.random.default_rng(0)
+    rests = []
+    for _ in range(18):
+        plan.prepare(np.ones(3), np.ones(2), rng)
+        rests.append(plan.resting)
+        plan.advance(np.zeros(2))
+    assert rests == 2 * [*[False] * 4, True, True, *[False] * 3]
 
 
 def test_home_path_is_straight_in_actions() -> None:
