@@ -23,6 +23,8 @@ _MARGIN = 0.027
 """How far a reading lies beyond what was commanded when it is stuck, in scaled units."""
 _REACH = 0.6
 """How far an answer of the inverse model is moved at most beyond its range, in scaled units."""
+_BEYOND = 0.06
+"""How far beyond the ends that were learned a robot in use tries at most, in scaled units."""
 
 
 class BodyModel:
@@ -67,9 +69,13 @@ class BodyModel:
         low: FloatArray | float = -np.inf,
         high: FloatArray | float = np.inf,
         *,
-        cautious: bool = False,
+        explores: bool = False,
     ) -> FloatArray:
         """Return an action near a given one, shape (m,), that brings a goal, shape (n,).
+
+        Exploration learns the ends on the way. A robot in use stays, and what creeps goes further
+        than it did on the way. Where the ends leave a goal out it tries beyond them, by as much as
+        is missed there; who watches it (`FoundEnds`) sees what stays short.
 
         Parameters
         ----------
@@ -77,15 +83,24 @@ class BodyModel:
             Where to begin, and the goal.
         low, high : array, optional
             Ends that were found just now, shape (m,): what was learned of ends gives way to them.
-        cautious : bool
-            As of `refined`.
+        explores : bool
+            Whether it is to find out: then ends hold, and what the model does not know does not
+            count (`refined`).
         """
         goal = goal / self._outcome_scale
         scaled = action / self._action_scale
         found = low / self._action_scale, high / self._action_scale
-        low, high = (np.clip(end, *found) for end in self._range.at(goal))
-        answer = refined(scaled, goal, self._forward, low, high, _REACH, cautious=cautious)
-        return self._action_scale * answer
+        low, high = self._range.at(goal)
+
+        def answer(beyond: float) -> FloatArray:
+            ends = np.clip(low - beyond, *found), np.clip(high + beyond, *found)
+            return refined(scaled, goal, self._forward, *ends, _REACH, cautious=not explores)
+
+        within = answer(0.0)
+        if explores:
+            return within * self._action_scale
+        missed = float(np.linalg.norm(goal - self._forward.predict(within)))
+        return answer(min(missed, _BEYOND)) * self._action_scale
 
     def predict(self, action: FloatArray) -> FloatArray:
         """Return the outcome, shape (n,), of an action without offsets, shape (m,)."""

@@ -7,7 +7,7 @@ import numpy as np
 from bha_goal_babbling.arrays import FloatArray
 from bha_goal_babbling.stuck_watch import BoolArray, StuckWatch
 
-_MARGIN = 0.004
+_MARGIN = 0.002
 """How far short of its command a length that keeps still has come to an end [m]."""
 _TRAIL = 3
 """Commands over which the speed of a length is taken."""

@@ -83,7 +83,7 @@ class Knowledge:
         if self._body is None:
             return action
         offsets = self._body.offsets
-        return self._body.refine(action, goal, low - offsets, high - offsets, cautious=not explores)
+        return self._body.refine(action, goal, low - offsets, high - offsets, explores=explores)
 
     def reading(self, action: FloatArray) -> FloatArray:
         """Return what sensors are to read of actions, shape (..., m), within the limits."""

@@ -48,7 +48,8 @@ def test_knows_nothing_at_first() -> None:
     """Answers stay as they are, readings too."""
     model = body()
     np.testing.assert_allclose(model.predict(HOME + 1.0), TIP, rtol=1e-15)
-    np.testing.assert_allclose(model.refine(HOME + 0.3, TIP + 0.1), HOME + 0.3, rtol=1e-14)
+    answer = model.refine(HOME + 0.3, TIP + 0.1, explores=True)
+    np.testing.assert_allclose(answer, HOME + 0.3, rtol=1e-14)
     np.testing.assert_array_equal(model.offsets, np.zeros(5))
 
 
@@ -168,6 +169,26 @@ def test_ends_are_those_of_actions_not_of_readings() -> None:
     answer = model.refine(HOME + np.array([0.3, 0.0, 0.0, 0.0, 0.0]), goal)
     assert answer[0] == pytest.approx(end, abs=0.02)
     assert np.linalg.norm(ARM.forward(answer) - goal) < 0.005
+
+
+def test_a_robot_in_use_tries_beyond_ends_that_leave_a_goal_out() -> None:
+    """By as much as they do, and by 0.06 of the scale of actions at most; exploration does not."""
+    model = body(NO_OFFSETS)
+    for command in HOME + 0.4 * np.clip(5.0 * (examples(600, 6) - HOME), -1.0, 1.0):
+        angles = np.clip(command, HOME - 0.15, HOME + 0.15)
+        for _ in range(6):
+            model.learn(angles, ARM.forward(angles), command)
+
+    def beyond(bend: float, *, explores: bool) -> float:
+        angles = HOME + bend * np.array([1.0, 1.0, -1.0, -1.0, -1.0])
+        answer = model.refine(angles, ARM.forward(angles), explores=explores)
+        return float(np.abs(answer - HOME).max())
+
+    near, out, far = (
+        beyond(bend, explores=False) - beyond(bend, explores=True) for bend in (0.1, 0.2, 0.4)
+    )
+    assert abs(near) < 0.01 < out < 0.06
+    assert far == pytest.approx(0.09)
 
 
 def test_sensors_that_slipped_are_no_ends() -> None:

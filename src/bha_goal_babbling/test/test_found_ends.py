@@ -34,10 +34,16 @@ def test_a_length_that_stays_short_of_its_command_shows_an_end() -> None:
     assert ends.see(COMMAND, np.array([0.201, 0.28, 0.12, *REST]))
 
 
+def test_three_millimetres_are_no_noise() -> None:
+    """A length that does not move counts by millimetres: they add up to centimetres at the tip."""
+    ends = found_at(0.201, 0.297, 0.103)
+    np.testing.assert_array_equal([ends.high[1], ends.low[2]], [0.297, 0.103])
+
+
 def test_lengths_that_follow_show_none() -> None:
-    ends = found_at(0.201, 0.298, 0.102)
+    ends = found_at(0.201, 0.299, 0.101)
     np.testing.assert_array_equal(known(ends), NOTHING)
-    assert not ends.see(COMMAND, np.array([0.201, 0.298, 0.102, *REST]))
+    assert not ends.see(COMMAND, np.array([0.201, 0.299, 0.101, *REST]))
 
 
 def test_a_length_that_still_comes_nearer_is_not_at_an_end() -> None:

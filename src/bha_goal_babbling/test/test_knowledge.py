@@ -69,12 +69,12 @@ def test_with_a_body_model_answers_are_refined_and_told_as_readings() -> None:
         action, outcome = corrected, tip
     np.testing.assert_array_equal(known.action, action)
     goal = TIP + np.array([-0.05, 0.1])
-    refined = body.refine(inverse.predict(goal), goal, cautious=True)
+    refined = body.refine(inverse.predict(goal), goal)
     assert np.abs(refined - inverse.predict(goal)).max() > 1e-3
     assert np.abs(body.offsets).max() > 1e-3
     np.testing.assert_array_equal(known.solution(goal), refined)
     np.testing.assert_array_equal(known.inverse(goal), refined + body.offsets)
-    bold = body.refine(inverse.predict(goal), goal)
+    bold = body.refine(inverse.predict(goal), goal, explores=True)
     assert np.abs(bold - refined).max() > 1e-6
     np.testing.assert_array_equal(known.solution(goal, explores=True), bold)
 
