@@ -20,7 +20,8 @@ from bha_goal_babbling.saved_state import SavedState
 from bha_goal_babbling.sensor_offsets import SensorOffsets
 
 _MARGIN = 0.027
-"""How far a reading lies beyond what was commanded when it is stuck, in scaled units."""
+"""How far a reading lies beyond what was commanded when it is stuck, in scaled units. Twice that of
+`FoundEnds`: exploration does not wait until lengths rest, and a finer one taught it no more."""
 _REACH = 0.6
 """How far an answer of the inverse model is moved at most beyond its range, in scaled units."""
 _BEYOND = 0.06
