@@ -18,9 +18,11 @@ class CorrectionWatch:
     """Tells with which gain errors are to be corrected, and when to go back.
 
     A plant that follows its target with a lag tau stays stable for gains below about 1 / tau, and
-    neither tau nor how far the tip goes with its target is known. So the gain is a wish: whenever
-    the error has turned against itself, by more than the tolerance on both sides, the gain is
-    halved (Kesten, "Accelerated stochastic approximation", 1958).
+    neither tau nor how far the tip goes with its target is known. So the gain is a wish, halved as
+    the error turns (Kesten, "Accelerated stochastic approximation", 1958): whenever it points
+    against where it pointed when it last turned, both beyond the tolerance. So a tip that goes
+    round its goal turns as well as one that swings through it, and one at the limit of corrections
+    by what it does along the limit. The first turn costs nothing: a sound movement may overshoot.
 
     Where the tip cannot follow, as at the end of a bellows' range, a correction grows nevertheless,
     until the inverse model answers with another posture. So one that has gone twice the first error
@@ -42,7 +44,8 @@ class CorrectionWatch:
         self._lowest_gain = min(gain, _SLOWEST)
         self._tolerance = tolerance
         self._next_check = first_check
-        self._before: Array | None = None  # what it was when it was last beyond the tolerance
+        self._turned_to: Array | None = None  # the error when it last turned, or at first
+        self._has_turned = False
         self._first_checks = _LAG_CHECKS  # still to come
         self._first = 0.0  # largest error at those
         self._least = np.inf
@@ -50,7 +53,7 @@ class CorrectionWatch:
         self._tried = [self._best] * _LAG_CHECKS  # corrections at the last checks
         self._in_vain = False  # whether no smaller error was found since it went back
 
-    def look(self, time: float, error: Array, correction: Array) -> None:
+    def look(self, time: float, error: Array, correction: Array, correctable: Array) -> None:
         """Take the error that there is with a correction.
 
         Parameters
@@ -58,6 +61,8 @@ class CorrectionWatch:
         time : Robot time [s].
         error : Way from the tip to the goal, without the tracker's noise [m], shape (3,).
         correction : Way from the goal to the target [m], shape (3,).
+        correctable : The error, as far as the limit of corrections lets it be corrected [m],
+            shape (3,).
         """
         if time < self._next_check:
             return
@@ -65,11 +70,13 @@ class CorrectionWatch:
         if self.back_to is not None:
             if np.allclose(correction, self.back_to, rtol=0.0, atol=1e-6):
                 self._next_check = time + _LAG_CHECKS * _CHECK_PERIOD
-                self.back_to = self._before = None
+                self.back_to = self._turned_to = None
             return
-        self._check(error, correction)
+        self._check_way(error, correction)
+        if self.back_to is None:
+            self._check_turn(correctable)
 
-    def _check(self, error: Array, correction: Array) -> None:
+    def _check_way(self, error: Array, correction: Array) -> None:
         size = float(np.linalg.norm(error))
         if self._first_checks > 0:
             self._first, self._first_checks = max(self._first, size), self._first_checks - 1
@@ -82,10 +89,17 @@ class CorrectionWatch:
             self._slow_down()
             return
         self._tried = [*self._tried[1:], correction]
-        if self._before is not None and size > self._tolerance and float(self._before @ error) < 0:
-            self._slow_down()
-        if self._before is None or size > self._tolerance:
-            self._before = error
+
+    def _check_turn(self, correctable: Array) -> None:
+        if np.linalg.norm(correctable) <= self._tolerance:
+            return
+        if self._turned_to is not None:
+            if float(self._turned_to @ correctable) >= 0.0:
+                return
+            if self._has_turned:
+                self._slow_down()
+            self._has_turned = True
+        self._turned_to = correctable
 
     def _is_lost(self, size: float, correction: Array) -> bool:
         away = float(np.linalg.norm(correction - self._best))

@@ -138,11 +138,13 @@ class GoalIntegrator:
         if gap > _LONGEST_STEP or not self._near:
             self._outside = time
         if self.elapsed > self._settings.feedforward_time:
-            self._watch.look(time, self._smooth, self._correction)
+            limit = self._settings.max_correction
+            correctable = _limited(self._correction + self._smooth, limit) - self._correction
+            self._watch.look(time, self._smooth, self._correction, correctable)
             back = self._watch.back_to
             wanted = self.gain * period * error if back is None else back - self._correction
             motion = _limited(wanted, self._settings.max_speed * period)
-            self._correction = _limited(self._correction + motion, self._settings.max_correction)
+            self._correction = _limited(self._correction + motion, limit)
         return self.target
 
 

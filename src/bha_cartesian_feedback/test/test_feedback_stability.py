@@ -11,76 +11,140 @@ Array = NDArray[np.float64]
 
 PERIOD = 0.1
 SECONDS = 150.0
+OFFSET = np.array([0.02, -0.015, 0.02])  # [m] from the goal to where feed-forward control ends
+FEEDFORWARD = float(np.linalg.norm(OFFSET))
+LAST = slice(-round(20.0 / PERIOD), None)
 
 
 def drive(
-    feedback: GoalIntegrator, slope: Array, lag: float, dead: float, noise: float, seed: int
-) -> tuple[Array, Array, float]:
-    """Let a late, imperfect tip follow the target; errors and targets at the end, first error."""
+    feedback: GoalIntegrator,
+    slope: Array,
+    lag: float,
+    dead: float,
+    noise: float,
+    seed: int,
+    way: float = 0.0,
+) -> tuple[Array, Array]:
+    """Let a late, imperfect tip follow the target from afar; errors (T,), targets (T, 3) [m]."""
     rng = np.random.default_rng(seed)
-    offset = np.array([0.02, -0.015, 0.02])
     share = 1.0 - np.exp(-PERIOD / lag)
     late = [feedback.goal] * (1 + round(dead / PERIOD))
-    tip = feedback.goal + offset
+    tip = feedback.goal + OFFSET + way * np.array([0.0, 0.6, 0.8])
     errors, targets = [], []
     for tick in range(1, round(SECONDS / PERIOD) + 1):
         seen = tip + noise * rng.standard_normal(3)
         late.append(feedback.update(tick * PERIOD, seen))
-        rest = feedback.goal + offset + slope @ (late.pop(0) - feedback.goal)
+        rest = feedback.goal + OFFSET + slope @ (late.pop(0) - feedback.goal)
         tip = tip + share * (rest - tip)
         errors.append(np.linalg.norm(feedback.goal - tip))
         targets.append(feedback.target)
-    last = round(20.0 / PERIOD)
-    return np.array(errors[-last:]), np.array(targets[-last:]), float(np.linalg.norm(offset))
+    return np.array(errors), np.array(targets)
 
 
-corners = st.fixed_dictionaries(
-    {
-        "gain": st.sampled_from([0.02, 0.2, 0.5]),
-        "max_speed": st.sampled_from([0.002, 0.02, 100.0]),
-        "max_correction": st.sampled_from([0.05, 0.5]),
-        "feedforward_time": st.sampled_from([1.0, 3.0]),
-    }
-)
+def motion(targets: Array) -> float:
+    """How far targets (T, 3) are spread [m]."""
+    return float(np.linalg.norm(np.ptp(targets, axis=0)))
 
 
-def feedback(chosen: dict[str, float]) -> GoalIntegrator:
-    own = FeedbackSettings(**chosen, rest_time=SECONDS, timeout=SECONDS)
+def chosen(
+    gain: float, max_speed: float, max_correction: float, feedforward_time: float
+) -> FeedbackSettings:
+    """Settings with which a movement does not end before it has been looked at."""
+    return FeedbackSettings(
+        gain=gain,
+        max_speed=max_speed,
+        max_correction=max_correction,
+        feedforward_time=feedforward_time,
+        rest_time=SECONDS,
+        timeout=SECONDS,
+    )
+
+
+def corners(max_corrections: list[float]) -> st.SearchStrategy[FeedbackSettings]:
+    return st.builds(
+        chosen,
+        st.sampled_from([0.02, 0.2, 0.5]),
+        st.sampled_from([0.002, 0.02, 100.0]),
+        st.sampled_from(max_corrections),
+        st.sampled_from([1.0, 3.0]),
+    )
+
+
+def feedback(own: FeedbackSettings) -> GoalIntegrator:
     return GoalIntegrator(own, np.array([0.1, -0.2, 0.7]), axes=3, start=0.0)
 
 
+def bent(stretch: float, seed: int) -> Array:
+    """How the tip goes with its target: by so much, and askew."""
+    rng = np.random.default_rng(seed)
+    return stretch * (np.eye(3) + 0.2 * rng.uniform(-1.0, 1.0, (3, 3)))
+
+
 @given(
-    corners,
+    corners([0.05, 0.5]),
     st.floats(0.3, 3.0),
     st.floats(0.2, 3.0),
     st.floats(0.0, 1.0),
     st.sampled_from([0.0, 1.5e-3]),
     st.integers(0, 1000),
+    st.sampled_from([0.0, 0.2]),
 )
-@example(
-    {"gain": 0.5, "max_speed": 100.0, "max_correction": 0.5, "feedforward_time": 1.0},
-    3.0,
-    3.0,
-    1.0,
-    1.5e-3,
-    0,
-)
+@example(chosen(0.5, 100.0, 0.5, 1.0), 3.0, 3.0, 1.0, 1.5e-3, 0, 0.0)
+# Errors that go round the goal, a little from each look to the next.
+@example(chosen(0.5, 0.002, 0.05, 1.0), 2.0, 2.0, 1.0, 0.0, 1, 0.0)
+@example(chosen(0.5, 100.0, 0.05, 1.0), 1.543, 1.658, 1.0, 0.0, 878, 0.0)
+@example(chosen(0.5, 100.0, 0.5, 3.0), 1.362, 2.971, 1.0, 1.5e-3, 832, 0.0)
 @settings(max_examples=25, deadline=None)
 def test_a_tip_that_goes_with_its_target_comes_to_the_goal_and_stays(
-    chosen: dict[str, float], stretch: float, lag: float, dead: float, noise: float, seed: int
+    own: FeedbackSettings,
+    stretch: float,
+    lag: float,
+    dead: float,
+    noise: float,
+    seed: int,
+    way: float,
 ) -> None:
     """Up to three times too far, with lags and dead times of more than the trunk has."""
-    rng = np.random.default_rng(seed)
-    slope = stretch * (np.eye(3) + 0.2 * rng.uniform(-1.0, 1.0, (3, 3)))
-    errors, targets, first = drive(feedback(chosen), slope, lag, dead, noise, seed)
-    assert np.linalg.norm(np.ptp(targets, axis=0)) <= 0.01
-    assert errors.max() <= max(0.01, 0.8 * first)
+    errors, targets = drive(feedback(own), bent(stretch, seed), lag, dead, noise, seed, way)
+    assert motion(targets[LAST]) <= 0.01
+    assert errors[LAST].max() <= max(0.01, 0.8 * FEEDFORWARD)
 
 
-@given(corners, st.integers(0, 1000))
+@given(
+    corners([0.005, 0.01, 0.015]),
+    st.floats(0.3, 3.0),
+    st.floats(0.2, 3.0),
+    st.floats(0.0, 1.0),
+    st.sampled_from([0.0, 1.5e-3]),
+    st.integers(0, 1000),
+    st.sampled_from([0.0, 0.2]),
+)
+# Along the limit the target swings, beneath a larger error that stays.
+@example(chosen(0.5, 0.005, 0.015, 3.0), 2.391, 1.952, 1.0, 0.0, 83748, 0.0)
+@example(chosen(0.5, 0.02, 0.01, 1.0), 2.924, 0.686, 1.0, 0.0, 6014, 0.0)
 @settings(max_examples=25, deadline=None)
-def test_a_tip_that_goes_another_way_is_not_chased(chosen: dict[str, float], seed: int) -> None:
+def test_a_target_at_its_limit_comes_to_rest(
+    own: FeedbackSettings,
+    stretch: float,
+    lag: float,
+    dead: float,
+    noise: float,
+    seed: int,
+    way: float,
+) -> None:
+    """With corrections that are too small for most of these tips to come to the goal."""
+    errors, targets = drive(feedback(own), bent(stretch, seed), lag, dead, noise, seed, way)
+    assert motion(targets[LAST]) <= 0.01
+    assert errors[LAST].max() <= FEEDFORWARD
+
+
+@given(corners([0.05, 0.5]), st.integers(0, 1000))
+@settings(max_examples=25, deadline=None)
+def test_a_tip_that_goes_another_way_is_not_chased(own: FeedbackSettings, seed: int) -> None:
     """At the ends of the ranges the tip may go away from its target, in one direction or in all."""
     slope = np.random.default_rng(seed).uniform(-1.0, 1.0, (3, 3))
-    errors, _, first = drive(feedback(chosen), slope, 1.0, 0.3, 1.5e-3, seed)
-    assert errors.max() <= 2.0 * first + 0.01
+    errors, _ = drive(feedback(own), slope, 1.0, 0.3, 1.5e-3, seed)
+    # Half as far again as feed-forward control was in the first three looks, and twice the
+    # tolerance, it is taken back; 1 cm for what it goes until then.
+    first = errors[: round((own.feedforward_time + 2.2) / PERIOD)].max()
+    assert errors[LAST].max() <= 1.5 * first + 0.004 + 0.01
