@@ -15,6 +15,7 @@ from rcl_interfaces.msg import (
     ParameterDescriptor,
     SetParametersResult,
 )
+from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -46,7 +47,7 @@ def declare_settings(
     Raises
     ------
     ValueError
-        When a value is out of its range; the message names the parameter.
+        When a value is out of its range or of another type; the message names the parameter.
     """
     read_only = on_change is None
     default = cls()
@@ -159,4 +160,8 @@ def _declare(
     elif isinstance(default, tuple):
         descriptor.additional_constraints = f"each {low:g} to {high:g}"
     value = list(default) if isinstance(default, tuple) else default
-    return _plain(node.declare_parameter(name, value, descriptor).value)
+    try:
+        return _plain(node.declare_parameter(name, value, descriptor).value)
+    except InvalidParameterTypeException as error:
+        wanted = " or ".join(field.metadata["choices"]) or f"like {value}"
+        raise ValueError(f"{error}. It must be {wanted}") from error
