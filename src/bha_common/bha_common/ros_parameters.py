@@ -163,5 +163,5 @@ def _declare(
     try:
         return _plain(node.declare_parameter(name, value, descriptor).value)
     except InvalidParameterTypeException as error:
-        wanted = " or ".join(field.metadata["choices"]) or f"like {value}"
+        wanted = " or ".join(field.metadata["choices"]) or f"like {value!r}"
         raise ValueError(f"{error}. It must be {wanted}") from error

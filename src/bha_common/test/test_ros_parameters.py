@@ -37,6 +37,7 @@ class Example:
     switch: bool = setting(False, "On or off")
     state: str = setting("vent", "What to do", choices=("vent", "hold"))
     gains: Gains = field(default_factory=lambda: Gains(proportional=4.0))
+    file: str = setting("", "Where it is written; nowhere if empty")
 
     def __post_init__(self) -> None:
         check_settings(self)
@@ -135,6 +136,7 @@ def test_values_out_of_range_name_the_parameter(
         ({"count": 1.0}, "like 3"),
         ({"switch": "on"}, "like False"),
         ({"state": True}, "vent or hold"),
+        ({"file": 7}, "like ''"),
     ],
 )
 def test_values_of_another_type(declare: Any, given: dict[str, Any], right: str) -> None:
@@ -157,5 +159,5 @@ def test_a_parameter_that_no_one_declares_is_refused(declare: Any) -> None:
 
 
 def test_the_errors_are_those_that_end_a_node_with_a_message() -> None:
-    """`ros_node.exit_with` catches ValueError and ParameterException."""
+    """`ros_node.run` catches ValueError and ParameterException."""
     assert issubclass(InvalidParameterValueException, ParameterException)
